@@ -6,6 +6,22 @@
 
 pub mod autocode;
 pub mod axes;
+pub mod axis;
+mod cycle;
+pub mod functions;
+mod hold;
+pub mod lookahead;
 pub mod machine;
+pub mod mcu;
+pub mod path;
+pub mod pcap;
+pub mod position_loop;
+pub mod profile;
 pub mod registers;
+pub mod spooler;
+pub mod status;
+pub mod tasks;
+pub mod trace;
 pub mod units;
+
+pub use mcu::{Advanced, Mcu, Stop};

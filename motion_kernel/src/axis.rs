@@ -1,0 +1,184 @@
+//! One axis: its registers, its spooler and the command it is executing.
+
+use crate::axes::AxisSet;
+use crate::machine;
+use crate::path::Component;
+use crate::profile::Profile;
+use crate::registers::Axst;
+use crate::spooler::{Entry, Function, NONE, Spooler};
+
+/// A wait of the spooler (ssf 1003..1025), begun and ended on a sample (design D23).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wait {
+    /// 1003: samples left.
+    Samples(u64),
+    /// 1004: until these inputs are active.
+    Inputs(u32),
+    /// 1005, 1015: until CI99 is 0.
+    Ci99,
+    /// 1025: until the bit of the axis in CI99 is clear.
+    Ci99Bit,
+    /// 1006: until all axes of the mask wait with the same mask.
+    Axes(u32),
+}
+
+/// What an axis does in this sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Doing {
+    /// Stands still, or runs on with the target velocity of the last profile.
+    #[default]
+    Nothing,
+    /// A spooled move; the profile clock is [`Axis::t`].
+    Move(u32),
+    Wait(Wait),
+    /// A profile of its own in axis units: stop with sdec (js, 4.4.24).
+    Alone,
+}
+
+/// The override of an axis: the factor of its profile clock (design D1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Override {
+    pub factor: f64,
+    goal: f64,
+    step: f64,
+}
+
+impl Default for Override {
+    fn default() -> Self {
+        Override { factor: 1.0, goal: 1.0, step: 0.0 }
+    }
+}
+
+impl Override {
+    /// Ramps to `goal` with `step` per sample; 0 takes it over at once.
+    pub fn take(&mut self, goal: f64, step: f64) {
+        *self = if step > 0.0 { Override { goal, step, ..*self } } else { Override { factor: goal, goal, step: 0.0 } };
+    }
+    #[inline]
+    pub fn advance(&mut self) {
+        if self.factor != self.goal {
+            let left = self.goal - self.factor;
+            self.factor = if left.abs() <= self.step { self.goal } else { self.factor + self.step.copysign(left) };
+        }
+    }
+}
+
+/// Axis qualifiers that programs may change at run time (chapters 4.4, 6.3.3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Path units per axis unit: 1, or the effective radius per degree (design D7).
+    pub scale: f64,
+    pub counts_per_unit: f64,
+    pub mdvel: f64,
+    pub maxvel: f64,
+    pub maxacc: f64,
+    pub jerkrel: f64,
+    pub sdec: f64,
+    pub mpe: f64,
+    pub ipw: f64,
+    pub rotary: bool,
+    pub jovr: f64,
+}
+
+impl Parameters {
+    fn new(axis: &machine::Axis) -> Self {
+        let rotary = axis.kind == machine::AxisKind::Rotary;
+        let scale = if rotary && axis.effradius > 0.0 { axis.effradius.to_radians() } else { 1.0 };
+        Parameters {
+            scale,
+            counts_per_unit: axis.counts_per_unit,
+            mdvel: axis.mdvel,
+            maxvel: axis.maxvel,
+            maxacc: axis.maxacc,
+            jerkrel: axis.jerkrel.clamp(0.0, 1.0),
+            sdec: axis.stop_deceleration,
+            mpe: axis.mpe,
+            ipw: axis.ipw,
+            rotary,
+            jovr: 1.0,
+        }
+    }
+}
+
+/// State of one axis.
+#[derive(Debug)]
+pub struct Axis {
+    pub doing: Doing,
+    /// Profile clock inside the move or profile being executed.
+    pub t: f64,
+    pub component: Component,
+    /// Profile of [`Doing::Alone`].
+    pub alone: Profile,
+    /// Set point and its velocity, axis units.
+    pub dp: f64,
+    pub dv: f64,
+    /// Nominal path velocity of the move being executed, at factor 1.
+    pub plan_v: f64,
+    pub trajectory: Override,
+    /// jovr shows the trajectory override since the last utrovr.
+    pub jovr_follows: bool,
+    /// Velocity kept after a profile that ended with a target velocity, axis units/s at factor 1.
+    pub run_on_v: f64,
+    /// Path velocity at the end of the last move, and the axes of that move.
+    pub path_v: f64,
+    pub last_axes: AxisSet,
+    /// Too short moves in a row (ErrorReg bit 5).
+    pub short_moves: u32,
+
+    pub spooler: Spooler,
+    /// End point and programmed target velocity of the newest entry, and its move while it lives.
+    pub queue_end: f64,
+    pub queue_tvl: f64,
+    pub queue_last: u32,
+    /// The function behind [`Doing::Wait`] or a halt, to put it back at a feed hold.
+    pub function: Option<Function>,
+
+    pub status: Axst,
+    pub digo: u32,
+    pub parameters: Parameters,
+}
+
+impl Axis {
+    pub fn new(axis: &machine::Axis, spool_memory: u32) -> Self {
+        Axis {
+            doing: Doing::Nothing,
+            t: 0.0,
+            component: Component::default(),
+            alone: Profile::default(),
+            dp: axis.start,
+            dv: 0.0,
+            plan_v: 0.0,
+            trajectory: Override::default(),
+            jovr_follows: false,
+            run_on_v: 0.0,
+            path_v: 0.0,
+            last_axes: AxisSet::EMPTY,
+            short_moves: 0,
+            spooler: Spooler::new(spool_memory),
+            queue_end: axis.start,
+            queue_tvl: 0.0,
+            queue_last: NONE,
+            function: None,
+            status: Axst::pe,
+            digo: 0,
+            parameters: Parameters::new(axis),
+        }
+    }
+    /// The nearest whole count to a position.
+    pub fn rounded(&self, position: f64) -> f64 {
+        (position * self.parameters.counts_per_unit).round() / self.parameters.counts_per_unit
+    }
+    /// No profile and nothing spooled.
+    pub fn is_drained(&self) -> bool {
+        self.doing == Doing::Nothing && self.spooler.is_empty()
+    }
+    /// True while the axis executes this move or has it in its spooler as the newest motion.
+    pub fn holds(&self, slot: u32) -> bool {
+        self.doing == Doing::Move(slot)
+            || self.spooler.entries().iter().rev().any(|e| matches!(e, Entry::Move { slot: s, .. } if *s == slot))
+    }
+    /// The queue continues from where the axis stands.
+    pub fn forget_queue(&mut self) {
+        (self.queue_end, self.queue_tvl, self.queue_last) = (self.dp, 0.0, NONE);
+    }
+}

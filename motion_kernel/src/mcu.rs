@@ -1,0 +1,303 @@
+//! The controller as a whole: its state, and how emulated time passes.
+//!
+//! [`Mcu::advance`] is the only way time passes; commands act between samples (pcap.rs, hold.rs).
+
+use crate::autocode::Program;
+use crate::axes::{AxisSet, MAX_AXES};
+use crate::axis::{Axis, Doing, Wait};
+use crate::lookahead::Lookahead;
+use crate::machine::Machine;
+use crate::position_loop::PositionLoop;
+use crate::registers::{Axst, ErrorReg, ModeReg};
+use crate::spooler::{BYTES_LINEAR, Move, Moves, NONE, SpoolState};
+use crate::tasks::Task;
+use crate::trace::{Event, EventKind, Events, Trace};
+use std::sync::Arc;
+
+/// Common variables of tasks and PC (3.2.1).
+pub const COMMONS: usize = 1000;
+/// The common integer of the waits 1005, 1015 and 1025.
+pub const WAIT_CI: usize = 99;
+/// CNC tasks.
+pub const TASKS: usize = 4;
+
+/// Registers of the controller as a whole.
+#[derive(Clone, Debug)]
+pub struct Registers {
+    pub modereg: ModeReg,
+    pub errorreg: ErrorReg,
+    /// Buffered trajectory override, and the time in s for a change of it by 1.0.
+    pub trovr: f64,
+    pub trovrst: f64,
+    /// Trajectory acceleration for `ms` with MS_DECEL.
+    pub trac: f64,
+    /// Axes that do not count for the path velocity.
+    pub nfrax: AxisSet,
+    pub lookahead_depth: u32,
+}
+
+/// Why [`Mcu::advance`] came back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// All samples asked for are done.
+    Budget,
+    /// The tasks have ended, all spoolers are empty, all axes stand (and are in position where that is asked for).
+    Finished,
+    /// A spooled wait for the application has begun: ssf 1000 (M00) or 1005/1015/1025 (M06). Told once per wait;
+    /// [`Mcu::acknowledge`] ends it.
+    Acknowledge { command: u16 },
+    /// A feed hold has come to rest. Told once per hold.
+    Held,
+    /// A CNC task stopped with a runtime error (see [`Mcu::task_status`]).
+    TaskError { task: usize },
+    /// A fault stopped motion: the axis has left its contour (see its axst).
+    Fault { axis: usize },
+    /// The event list is half full: drain it and go on.
+    Events,
+}
+
+/// What [`Mcu::advance`] did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Advanced {
+    pub samples: u64,
+    pub stop: Stop,
+}
+
+/// The point of a move on one clock: axes on the same clock ask for it only once.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PointCache {
+    pub slot: u32,
+    pub t: f64,
+    pub v: f64,
+    pub point: crate::path::Point,
+}
+
+/// Told-once flags of [`Stop`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Told {
+    pub acknowledge: bool,
+    pub held: bool,
+    pub fault: bool,
+    pub task_error: bool,
+}
+
+/// The emulated controller.
+pub struct Mcu {
+    pub(crate) machine: Arc<Machine>,
+    /// Sample time, s.
+    pub(crate) ta: f64,
+    /// Samples since boot.
+    pub(crate) sample: u64,
+    pub(crate) axes: Vec<Axis>,
+    pub(crate) loops: Vec<PositionLoop>,
+    pub(crate) moves: Moves,
+    pub(crate) lookahead: Lookahead,
+    pub(crate) registers: Registers,
+    pub(crate) ci: Vec<i32>,
+    pub(crate) cd: Vec<f64>,
+    pub(crate) digi: u32,
+    pub(crate) tasks: [Task; TASKS],
+    /// Contour group of the program, and the axis whose entry the trace names.
+    pub(crate) group: AxisSet,
+    pub(crate) leader: usize,
+    /// Motion commands given by tasks so far.
+    pub(crate) commands: u32,
+    pub(crate) events: Events,
+    pub(crate) cache: PointCache,
+    pub(crate) holding: bool,
+    pub(crate) told: Told,
+    /// Samples for which all axes have been in position after the end; needed and longest wait for it.
+    pub(crate) settled: u32,
+    pub(crate) ended: u32,
+    pub(crate) settle: bool,
+    /// Waits of this kind exist, so that the sample need not look for them otherwise.
+    pub(crate) waiting: bool,
+}
+
+/// Samples in position that count as settled, and the longest wait for them (s).
+const SETTLED_SAMPLES: u32 = 8;
+const SETTLE_LIMIT_S: f64 = 2.0;
+
+impl Mcu {
+    /// A controller after boot: loops open, MODEREG and TROVRST 0, axes at the start position of the machine.
+    pub fn new(machine: Arc<Machine>) -> Mcu {
+        let ta = machine.sample_time_s();
+        let memory = machine.controller.spool_memory_bytes;
+        let axes: Vec<Axis> = machine.axes.iter().map(|a| Axis::new(a, memory)).collect();
+        let slots = axes.len() * (memory / BYTES_LINEAR + 2) as usize;
+        Mcu {
+            ta,
+            sample: 0,
+            loops: machine.axes.iter().map(|a| PositionLoop::new(a, ta)).collect(),
+            axes,
+            moves: Moves::with_capacity(slots),
+            lookahead: Lookahead::with_capacity(slots),
+            registers: Registers {
+                modereg: ModeReg(0),
+                errorreg: ErrorReg(0),
+                trovr: 1.0,
+                trovrst: 0.0,
+                trac: machine.gcode.trac_feed,
+                nfrax: AxisSet::EMPTY,
+                lookahead_depth: machine.controller.lookahead_depth,
+            },
+            ci: vec![0; COMMONS],
+            cd: vec![0.0; COMMONS],
+            digi: 0,
+            tasks: std::array::from_fn(|_| Task::default()),
+            group: AxisSet::first(machine.axes.len()),
+            leader: 0,
+            commands: 0,
+            events: Events::default(),
+            cache: PointCache { slot: NONE, t: 0.0, v: 0.0, point: crate::path::Point::default() },
+            holding: false,
+            told: Told::default(),
+            settled: 0,
+            ended: 0,
+            settle: false,
+            waiting: false,
+            machine,
+        }
+    }
+
+    pub fn machine(&self) -> &Arc<Machine> {
+        &self.machine
+    }
+    /// Samples since boot; emulated time is this times [`Mcu::sample_time_s`].
+    pub fn samples(&self) -> u64 {
+        self.sample
+    }
+    pub fn sample_time_s(&self) -> f64 {
+        self.ta
+    }
+    pub fn all_axes(&self) -> AxisSet {
+        AxisSet::first(self.axes.len())
+    }
+    /// Those axes of a set that the machine has.
+    pub(crate) fn known(&self, axes: AxisSet) -> AxisSet {
+        AxisSet(axes.0 & self.all_axes().0)
+    }
+
+    /// Lets up to `samples` sample intervals pass and records them in `trace` (emptied first). Comes back
+    /// earlier when there is something to say, see [`Stop`].
+    pub fn advance(&mut self, samples: u64, trace: &mut Trace) -> Advanced {
+        trace.axes = self.axes.len();
+        trace.restart(self.sample);
+        trace.reserve(samples.min(1 << 20) as usize);
+        for done in 0..samples {
+            if let Some(stop) = self.reason_to_stop() {
+                return Advanced { samples: done, stop };
+            }
+            self.step(trace);
+        }
+        Advanced { samples, stop: self.reason_to_stop().unwrap_or(Stop::Budget) }
+    }
+
+    /// As [`Mcu::advance`], but without recording and without stopping early.
+    pub fn run(&mut self, samples: u64) {
+        let mut trace = Trace::new(self.axes.len(), 1);
+        for _ in 0..samples {
+            trace.restart(self.sample);
+            self.step(&mut trace);
+        }
+    }
+
+    fn reason_to_stop(&mut self) -> Option<Stop> {
+        if self.told.task_error {
+            self.told.task_error = false;
+            let task = self.tasks.iter().position(Task::has_failed).unwrap_or(0);
+            return Some(Stop::TaskError { task });
+        }
+        if self.told.fault {
+            self.told.fault = false;
+            let faults = Axst::lsls | Axst::lsrs | Axst::mpe | Axst::eo | Axst::dhef | Axst::saf;
+            let axis = self.axes.iter().position(|a| a.status.any(faults)).unwrap_or(0);
+            return Some(Stop::Fault { axis });
+        }
+        if self.events.is_nearly_full() {
+            return Some(Stop::Events);
+        }
+        if self.waiting
+            && !self.told.acknowledge
+            && let Some(command) = self.wait_for_application()
+        {
+            self.told.acknowledge = true;
+            return Some(Stop::Acknowledge { command });
+        }
+        if self.holding && !self.told.held && self.stands() {
+            self.told.held = true;
+            return Some(Stop::Held);
+        }
+        self.is_finished().then_some(Stop::Finished)
+    }
+
+    /// The command of the wait for the application that an axis is in.
+    pub fn wait_for_application(&self) -> Option<u16> {
+        let waits = |a: &Axis| match a.doing {
+            Doing::Wait(Wait::Ci99 | Wait::Ci99Bit) => a.function.map(|f| f.command),
+            _ => (a.spooler.state == SpoolState::Halted).then_some(1000),
+        };
+        self.axes.iter().find_map(waits)
+    }
+
+    /// No axis travels.
+    pub fn stands(&self) -> bool {
+        self.axes.iter().all(|a| !matches!(a.doing, Doing::Move(_) | Doing::Alone) && a.run_on_v == 0.0)
+    }
+
+    fn is_finished(&mut self) -> bool {
+        let idle = !self.holding
+            && self.tasks.iter().all(|t| !t.is_active())
+            && self.axes.iter().all(|a| a.is_drained() && a.run_on_v == 0.0);
+        if !idle {
+            (self.settled, self.ended) = (0, 0);
+            return false;
+        }
+        !self.settle || self.settled >= SETTLED_SAMPLES || f64::from(self.ended) * self.ta >= SETTLE_LIMIT_S
+    }
+
+    /// Loads a program into a task (0..3); it runs after [`Mcu::startcnct`]. A running one is stopped.
+    pub fn load(&mut self, task: usize, program: Arc<Program>) {
+        self.group = if program.group.is_empty() { self.all_axes() } else { program.group };
+        self.leader = self.group.iter().next().unwrap_or(0);
+        self.tasks[task].load(program);
+    }
+
+    pub(crate) fn raise(&mut self, bits: ErrorReg) {
+        let new = ErrorReg(bits.0 & !self.registers.errorreg.0);
+        if new.0 == 0 {
+            return;
+        }
+        self.registers.errorreg.set(new);
+        for &(number, name, _) in ErrorReg::ALL {
+            if new.0 >> number & 1 == 1 {
+                self.event(EventKind::ErrorReg, -1, name, true, 0, i64::from(number));
+            }
+        }
+    }
+
+    pub(crate) fn event(&mut self, kind: EventKind, axis: i32, name: &'static str, on: bool, line: u32, value: i64) {
+        self.events.push(Event { sample: self.sample, kind, axis, name, on, line, value });
+    }
+
+    /// The events since the last call, in order.
+    pub fn events(&mut self) -> Vec<Event> {
+        self.events.drain()
+    }
+
+    /// The move that an axis executes.
+    pub fn current_move(&self, axis: usize) -> Option<&Move> {
+        match self.axes[axis].doing {
+            Doing::Move(slot) => Some(&self.moves[slot]),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn mdvel(&self) -> [f64; MAX_AXES] {
+        let mut mdvel = [0.0; MAX_AXES];
+        for (slot, axis) in mdvel.iter_mut().zip(&self.axes) {
+            *slot = axis.parameters.mdvel;
+        }
+        mdvel
+    }
+}

@@ -1,0 +1,446 @@
+//! Commands of the application (chapter 4.4), under the manual's names. They act between samples.
+
+use crate::autocode::MoveKind;
+use crate::axes::{AxisList, AxisSet, MAX_AXES};
+use crate::axis::{Doing, Override};
+use crate::functions::Entered;
+use crate::lookahead::{Tangent, junction_v};
+use crate::mcu::{Mcu, WAIT_CI};
+use crate::path::{self, Ends, Geometry, NoPath};
+use crate::profile::Profile;
+use crate::registers::{Axst, ErrorReg, ModeReg};
+use crate::spooler::{BYTES_CIRCLE, BYTES_LINEAR, Entry, Move, NONE, SpoolState};
+
+/// A spooled motion command: LMP, CMP or HMP of chapter 4.3.2, PU = mm, TU = s.
+#[derive(Clone, Copy, Debug)]
+pub struct MotionCommand<'a> {
+    pub kind: MoveKind,
+    /// Circles turn in the plane of the first two axes.
+    pub axes: &'a AxisList,
+    /// One target (or distance) per axis in the order of `axes`; for circles given by angle those of the
+    /// circle axes are not used.
+    pub targets: &'a [f64],
+    pub center: [f64; 2],
+    /// Degrees, counter-clockwise positive. |phi| <= 1e-100 in smha and smhr: to the target point.
+    pub phi: f64,
+    pub vl: f64,
+    pub ac: f64,
+    pub tvl: f64,
+    pub rapid: bool,
+    pub line: u32,
+}
+
+/// Start and target of each axis of a command, in its order, and its path.
+struct Course {
+    geometry: Geometry,
+    scale: [f64; MAX_AXES],
+}
+
+impl Mcu {
+    /// Spools a motion command for all its axes (smla, smlr, smca, smcr, smha, smhr).
+    pub fn spool(&mut self, command: &MotionCommand) -> Entered {
+        self.commands += 1;
+        if let Err(outcome) = self.check(command) {
+            return outcome;
+        }
+        let axes = command.axes.set();
+        for a in axes.iter() {
+            if self.axes[a].is_drained() {
+                self.axes[a].forget_queue();
+            }
+        }
+        let course = match self.course(command) {
+            Ok(course) => course,
+            Err(nothing) => return self.discard(nothing),
+        };
+        let mv = self.limited(command, &course);
+        self.enter(command, mv, &course);
+        Entered::Yes
+    }
+
+    /// Bytes that the command takes in the spooler of the axis at `position` of its list.
+    pub fn bytes_of(kind: MoveKind, position: usize) -> u32 {
+        if !kind.is_linear() && position < 2 { BYTES_CIRCLE } else { BYTES_LINEAR }
+    }
+    /// Room for the command in every spooler concerned.
+    pub fn has_room(&self, kind: MoveKind, axes: &AxisList) -> bool {
+        axes.iter()
+            .enumerate()
+            .all(|(i, a)| a >= self.axes.len() || self.axes[a].spooler.left() >= Self::bytes_of(kind, i))
+    }
+
+    fn check(&mut self, command: &MotionCommand) -> Result<(), Entered> {
+        let axes = command.axes.set();
+        let too_few = command.axes.is_empty() || (!command.kind.is_linear() && command.axes.len() < 2);
+        if command.axes.has_duplicates() || !self.all_axes().contains_all(axes) || too_few {
+            self.raise(ErrorReg::errAxDef);
+            return Err(Entered::Discarded);
+        }
+        if axes.iter().any(|a| !self.loops[a].closed) {
+            self.refuse(axes.iter().filter(|&a| !self.loops[a].closed).collect());
+            return Err(Entered::Refused);
+        }
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        for (ok, bit) in [(positive(command.vl), ErrorReg::VelocityZero), (positive(command.ac), ErrorReg::AccelZero)] {
+            if !ok {
+                self.raise(bit);
+                if !self.registers.modereg.has(ModeReg::InhibitProfileRefuse) {
+                    self.monitor_message();
+                }
+                return Err(Entered::Discarded);
+            }
+        }
+        if !self.has_room(command.kind, command.axes) {
+            self.raise(ErrorReg::errSpoolerOverrun);
+            return Err(Entered::Full);
+        }
+        Ok(())
+    }
+
+    fn discard(&mut self, nothing: NoPath) -> Entered {
+        self.raise(match nothing {
+            NoPath::Zero => ErrorReg::ZeroProfile,
+            NoPath::Radius { exactly: true } => ErrorReg::RadiusError | ErrorReg::errCenterPoint,
+            NoPath::Radius { exactly: false } => ErrorReg::RadiusError,
+            NoPath::Center => ErrorReg::errCenterPoint,
+        });
+        Entered::Discarded
+    }
+
+    /// The path of a command from the end of what is spooled.
+    fn course(&self, command: &MotionCommand) -> Result<Course, NoPath> {
+        let n = command.axes.len();
+        let (mut start, mut target, mut scale) = ([0.0; MAX_AXES], [0.0; MAX_AXES], [1.0; MAX_AXES]);
+        let mut center = command.center;
+        let relative = command.kind.is_relative();
+        let rounds = command.tvl == 0.0 && !self.registers.modereg.has(ModeReg::ExactTargetPos);
+        for (i, a) in command.axes.iter().enumerate() {
+            let axis = &self.axes[a];
+            let unit = self.command_unit(a);
+            (start[i], scale[i]) = (axis.queue_end, axis.parameters.scale);
+            let given = command.targets[i] * unit;
+            target[i] = if relative { start[i] + given } else { given };
+            if rounds {
+                target[i] = axis.rounded(target[i]);
+            }
+            if i < 2 {
+                center[i] = if relative { start[i] + center[i] * unit } else { center[i] * unit };
+            }
+        }
+        let ends = Ends {
+            list: command.axes,
+            start: &start[..n],
+            target: &target[..n],
+            scale: &scale[..n],
+            nfrax: self.registers.nfrax,
+        };
+        let geometry = if command.kind.is_linear() {
+            path::line(&ends)?
+        } else {
+            let mut geometry = path::circle(&ends, center, self.sweep(command, &ends, center))?;
+            for (i, a) in command.axes.iter().enumerate().take(2).filter(|_| rounds) {
+                geometry.components[i].target = self.axes[a].rounded(geometry.components[i].target);
+            }
+            geometry
+        };
+        Ok(Course { geometry, scale })
+    }
+
+    /// Axis units per unit of the command: rotary targets are mm of circumference without RotatoricUnit.
+    fn command_unit(&self, a: usize) -> f64 {
+        let parameters = &self.axes[a].parameters;
+        let in_own_unit = !parameters.rotary || self.registers.modereg.has(ModeReg::RotatoricUnit);
+        if in_own_unit { 1.0 } else { 1.0 / parameters.scale }
+    }
+
+    fn sweep(&self, command: &MotionCommand, ends: &Ends, center: [f64; 2]) -> f64 {
+        let to_target = matches!(command.kind, MoveKind::Smha | MoveKind::Smhr) && command.phi.abs() <= 1e-100;
+        if !to_target {
+            return command.phi;
+        }
+        let metric = |p: [f64; 2]| [p[0] * ends.scale[0], p[1] * ends.scale[1]];
+        let (start, target) = ([ends.start[0], ends.start[1]], [ends.target[0], ends.target[1]]);
+        path::sweep_to_target(
+            metric(start),
+            metric(center),
+            metric(target),
+            command.phi.is_sign_negative() && command.phi != 0.0,
+        )
+    }
+
+    /// Path velocity and acceleration within the limits of the axes (ChkMaxVel on lines, arcs under LookAhead).
+    fn limited(&self, command: &MotionCommand, course: &Course) -> Move {
+        let (mut vl, mut ac) = (command.vl, command.ac);
+        let geometry = &course.geometry;
+        let parameters = |a: usize| &self.axes[a].parameters;
+        if command.kind.is_linear() && self.registers.modereg.has(ModeReg::ChkMaxVel) {
+            for (i, a) in command.axes.iter().enumerate() {
+                let share = (geometry.components[i].p * course.scale[i]).abs();
+                let limit = |most: f64, now: f64| if most > 0.0 && share * now > most { most / share } else { now };
+                (vl, ac) = (limit(parameters(a).maxvel, vl), limit(parameters(a).maxacc, ac));
+            }
+        }
+        if !command.kind.is_linear() && self.registers.modereg.has(ModeReg::LookAhead) {
+            let most = |a: usize| Some(parameters(a).maxacc).filter(|&m| m > 0.0).unwrap_or(f64::INFINITY);
+            vl = vl.min((geometry.radius * most(command.axes.at(0)).min(most(command.axes.at(1)))).sqrt());
+        }
+        let capped = command.kind.is_linear() && self.registers.modereg.has(ModeReg::ChkMaxVel);
+        Move {
+            axes: command.axes.set(),
+            number: self.commands,
+            line: command.line,
+            rapid: command.rapid,
+            length: geometry.length,
+            from: 0.0,
+            to: geometry.length,
+            curvature: geometry.curvature,
+            vl,
+            ac,
+            tvl: if capped { command.tvl.min(vl) } else { command.tvl },
+            jerkrel: command.axes.iter().map(|a| parameters(a).jerkrel).fold(1.0, f64::min),
+            planned: false,
+            stopping: false,
+            profile: Profile::default(),
+            users: command.axes.len() as u32,
+            junction_v2: 0.0,
+            chain: NONE,
+            prefix_v2: 0.0,
+            next: NONE,
+            previous: NONE,
+            queue_next: NONE,
+            queue_previous: NONE,
+        }
+    }
+
+    /// Puts the move into the spoolers of its axes and into its look-ahead chain.
+    fn enter(&mut self, command: &MotionCommand, mv: Move, course: &Course) {
+        let mdvel = self.mdvel();
+        let (start, end) = tangents(command.axes, course);
+        let before = self.chain_end(mv.axes);
+        let slot = self.moves.add(mv);
+        if let Some(previous) = before {
+            let last = self.moves[previous];
+            let tangent = self.lookahead.end_tangent(&self.moves, previous);
+            let turn_v = tangent.map_or(0.0, |tangent| junction_v(tangent, &start, &mdvel, mv.axes));
+            let limit_v = turn_v.min(last.tvl.max(0.0)).min(last.vl).min(mv.vl);
+            self.moves[slot].junction_v2 = limit_v * limit_v;
+        }
+        self.lookahead.append(&mut self.moves, slot, before, &end);
+        for (i, a) in command.axes.iter().enumerate() {
+            let component = course.geometry.components[i];
+            let axis = &mut self.axes[a];
+            axis.spooler.push(Entry::Move { slot, component });
+            (axis.queue_end, axis.queue_tvl, axis.queue_last) = (component.target, mv.tvl, slot);
+        }
+    }
+
+    /// The newest move of all these axes, if it has just these axes and still lives.
+    fn chain_end(&self, axes: AxisSet) -> Option<u32> {
+        let first = axes.iter().next()?;
+        let slot = self.axes[first].queue_last;
+        let joins = slot != NONE
+            && self.moves[slot].axes == axes
+            && axes.iter().all(|a| self.axes[a].queue_last == slot && self.axes[a].holds(slot))
+            && self.lookahead.end_tangent(&self.moves, slot).is_some();
+        joins.then_some(slot)
+    }
+
+    /// Starts the spoolers of these axes in the next sample (ssms): those in direct mode, stopped (sstps) or
+    /// halted (ssf 1000); waits 1003 and 1004 end early.
+    pub fn ssms(&mut self, axes: AxisSet) {
+        for a in self.known(axes).iter() {
+            let axis = &mut self.axes[a];
+            match axis.spooler.state {
+                SpoolState::Direct if axis.spooler.is_empty() => {}
+                SpoolState::Direct | SpoolState::Stopped | SpoolState::Halted => {
+                    axis.spooler.state = SpoolState::Running;
+                    axis.function = None;
+                }
+                SpoolState::Running | SpoolState::Held => {}
+            }
+            if let Doing::Wait(crate::axis::Wait::Samples(_) | crate::axis::Wait::Inputs(_)) = axis.doing {
+                (axis.doing, axis.function) = (Doing::Nothing, None);
+            }
+        }
+    }
+
+    /// As [`Mcu::ssms`], but only those in direct mode (design D23): what tasks and a full spooler may start.
+    pub fn start_direct(&mut self, axes: AxisSet) {
+        let direct = self.known(axes).iter().filter(|&a| self.axes[a].spooler.state == SpoolState::Direct).collect();
+        self.ssms(direct);
+    }
+
+    /// Stops handing over entries after the current command; they stay (sstps).
+    pub fn sstps(&mut self, axes: AxisSet) {
+        for a in self.known(axes).iter() {
+            let spooler = &mut self.axes[a].spooler;
+            if matches!(spooler.state, SpoolState::Running | SpoolState::Direct) {
+                spooler.state = SpoolState::Stopped;
+            }
+        }
+    }
+
+    /// Discards all entries; the current command is completed (sdels).
+    pub fn sdels(&mut self, axes: AxisSet) {
+        for a in self.known(axes).iter() {
+            while let Some(entry) = self.axes[a].spooler.pop_back() {
+                if let Entry::Move { slot, .. } = entry {
+                    self.let_go(slot);
+                }
+            }
+            let axis = &mut self.axes[a];
+            let executing = if let Doing::Move(slot) = axis.doing { slot } else { NONE };
+            let target = if executing == NONE { axis.dp } else { axis.component.target };
+            (axis.queue_end, axis.queue_last) = (target, executing);
+            axis.queue_tvl = if executing == NONE { 0.0 } else { self.moves[executing].tvl };
+        }
+    }
+
+    /// Axes stop, each on its own, with their stop deceleration sdec (js); their spoolers are discarded.
+    pub fn js(&mut self, axes: AxisSet) {
+        for a in self.known(axes).iter() {
+            let axis = &mut self.axes[a];
+            let v = if axis.doing == Doing::Nothing { axis.run_on_v * axis.trajectory.factor } else { axis.dv };
+            self.enter_direct_mode(a);
+            let axis = &mut self.axes[a];
+            if v == 0.0 {
+                continue;
+            }
+            let brake_acc = if axis.parameters.sdec > 0.0 { axis.parameters.sdec } else { f64::INFINITY };
+            (axis.alone, _) = Profile::stopping(0.0, f64::INFINITY, v.abs(), brake_acc, brake_acc, 0.0);
+            (axis.component.base, axis.component.p) = (axis.dp, v.signum());
+            (axis.doing, axis.t) = (Doing::Alone, 0.0);
+        }
+    }
+
+    /// The axis leaves what it executes where it is; its spooler is empty and in direct mode.
+    pub(crate) fn enter_direct_mode(&mut self, a: usize) {
+        self.sdels(AxisSet::single(a));
+        if let Doing::Move(slot) = self.axes[a].doing {
+            self.let_go(slot);
+        }
+        let axis = &mut self.axes[a];
+        (axis.doing, axis.function, axis.dv, axis.plan_v) = (Doing::Nothing, None, 0.0, 0.0);
+        (axis.run_on_v, axis.path_v, axis.short_moves) = (0.0, 0.0, 0);
+        axis.spooler.state = SpoolState::Direct;
+        axis.forget_queue();
+    }
+
+    /// Closes the loops: the actual position becomes the set point, spoolers are discarded (cl, 4.4.8).
+    pub fn cl(&mut self, axes: AxisSet) {
+        for a in self.known(axes).iter() {
+            self.enter_direct_mode(a);
+            let axis = &mut self.axes[a];
+            axis.dp = self.loops[a].rp();
+            axis.forget_queue();
+            self.loops[a].close(axis.dp);
+            self.set_status(a, Axst::saf | Axst::mpe | Axst::lsls | Axst::lsrs, false);
+            self.axes[a].status.set(Axst::cl);
+        }
+    }
+
+    /// Opens the loops (ol).
+    pub fn ol(&mut self, axes: AxisSet) {
+        for a in self.known(axes).iter() {
+            self.enter_direct_mode(a);
+            self.loops[a].open();
+            self.axes[a].status.clear(Axst::cl);
+        }
+    }
+
+    /// Resets the system (rs): loops open, spoolers discarded, tasks stopped, overrides 1.0. Common variables,
+    /// ErrorReg and MODEREG stay.
+    pub fn rs(&mut self) {
+        let all = self.all_axes();
+        for task in 0..self.tasks.len() {
+            self.stopcnct(task);
+        }
+        self.ol(all);
+        self.holding = false;
+        self.registers.trovr = 1.0;
+        for a in all.iter() {
+            let axis = &mut self.axes[a];
+            (axis.trajectory, axis.parameters.jovr) = (Override::default(), 1.0);
+            self.set_status(a, Axst::saf | Axst::mpe | Axst::dhef | Axst::referenced, false);
+        }
+    }
+
+    /// Marks axes as referenced at their present position (shp; coordinates stay).
+    pub fn set_referenced(&mut self, axes: AxisSet) {
+        for a in self.known(axes).iter() {
+            self.axes[a].status.set(Axst::referenced);
+        }
+    }
+
+    /// Buffers the trajectory override (wrtrovr); effective after [`Mcu::utrovr`]. False: not above 0.
+    pub fn wrtrovr(&mut self, factor: f64) -> bool {
+        let ok = factor > 0.0 && factor.is_finite();
+        if ok {
+            self.registers.trovr = factor;
+        }
+        ok
+    }
+    /// The time in s that a change of the override by 1.0 takes (wrtrovrst); 0 and less than a sample: at once.
+    pub fn wrtrovrst(&mut self, seconds: f64) {
+        self.registers.trovrst = if seconds >= 0.0 && seconds.is_finite() { seconds } else { 0.0 };
+    }
+    /// Takes the buffered override over for these axes from the next sample on (utrovr).
+    pub fn utrovr(&mut self, axes: AxisSet) {
+        let step = if self.registers.trovrst < self.ta { 0.0 } else { self.ta / self.registers.trovrst };
+        let copies = !self.registers.modereg.has(ModeReg::OvrMode);
+        for a in self.known(axes).iter() {
+            let axis = &mut self.axes[a];
+            axis.trajectory.take(self.registers.trovr, step);
+            axis.jovr_follows |= copies;
+        }
+    }
+    /// The jog override of an axis (wrjovr): at once, without ramp. During an interpolation it breaks the path.
+    pub fn wrjovr(&mut self, axis: usize, factor: f64) -> bool {
+        if !(factor > 0.0 && factor.is_finite()) {
+            return false;
+        }
+        let copies = !self.registers.modereg.has(ModeReg::OvrMode);
+        let axis = &mut self.axes[axis];
+        (axis.parameters.jovr, axis.jovr_follows) = (factor, false);
+        if copies {
+            axis.trajectory.take(factor, 0.0);
+        }
+        true
+    }
+    /// The jog override; without OvrMode it shows the effective override while that ramps (4.4.175).
+    pub fn rdjovr(&self, axis: usize) -> f64 {
+        let axis = &self.axes[axis];
+        if axis.jovr_follows { axis.trajectory.factor } else { axis.parameters.jovr }
+    }
+
+    /// CI99 := 0 in step with the system: axes waiting for it go on in the same sample (4.4.7).
+    #[allow(non_snake_case)] // the manual's own name
+    pub fn ClearCI99(&mut self) {
+        self.ci[WAIT_CI] = 0;
+    }
+
+    /// A message on the monitor screen (ErrorReg bit 9).
+    pub(crate) fn monitor_message(&mut self) {
+        self.raise(ErrorReg::CheckMonitorScreen);
+    }
+    /// A motion command for an axis in open loop (design D11).
+    pub(crate) fn refuse(&mut self, axes: AxisSet) {
+        for a in axes.iter() {
+            self.set_status(a, Axst::dhef, true);
+        }
+        self.monitor_message();
+    }
+}
+
+/// Unit tangents at start and end: travel per path length in the metric of design D7, by axis index.
+fn tangents(list: &AxisList, course: &Course) -> (Tangent, Tangent) {
+    let geometry = &course.geometry;
+    let (from, to) = (path::point(0.0, geometry.curvature), path::point(geometry.length, geometry.curvature));
+    let (mut start, mut end) = ([0.0; MAX_AXES], [0.0; MAX_AXES]);
+    for (i, a) in list.iter().enumerate() {
+        let component = &geometry.components[i];
+        start[a] = component.slope(&from, geometry.curvature) * course.scale[i];
+        end[a] = component.slope(&to, geometry.curvature) * course.scale[i];
+    }
+    (start, end)
+}

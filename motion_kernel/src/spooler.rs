@@ -1,0 +1,225 @@
+//! The spooler of an axis (2.2.8.2) and the moves its entries share.
+//!
+//! What the axes of an interpolation have in common (length, plan) lives once in [`Moves`]; an entry of a
+//! spooler refers to it and carries the course of its own axis. Everything is allocated at start-up.
+
+use crate::axes::AxisSet;
+use crate::path::Component;
+use crate::profile::Profile;
+use std::collections::VecDeque;
+use std::ops::{Index, IndexMut};
+
+/// No slot.
+pub const NONE: u32 = u32::MAX;
+
+/// Spool memory of an entry in bytes (design D3). Documented for `lsm`; no promise between versions (4.4.84).
+pub const BYTES_LINEAR: u32 = 96;
+pub const BYTES_CIRCLE: u32 = 128;
+pub const BYTES_FUNCTION: u32 = 32;
+
+/// What an interpolation is for all its axes.
+#[derive(Clone, Copy, Debug)]
+pub struct Move {
+    pub axes: AxisSet,
+    /// Number of the motion command in order of execution, and its source line.
+    pub number: u32,
+    pub line: u32,
+    pub rapid: bool,
+    /// Length of the whole geometry; this entry travels from `from` to `to` of it (a feed hold cuts moves).
+    pub length: f64,
+    pub from: f64,
+    pub to: f64,
+    pub curvature: f64,
+    /// Path velocity, acceleration, target velocity after the limits of the axes; the smallest jerkrel.
+    pub vl: f64,
+    pub ac: f64,
+    pub tvl: f64,
+    pub jerkrel: f64,
+    /// Set when the first axis starts the move; frozen from then on.
+    pub planned: bool,
+    /// Its plan brakes for `ms` or a hold.
+    pub stopping: bool,
+    pub profile: Profile,
+    /// Axes that still hold an entry of it.
+    pub users: u32,
+    /// Look-ahead: squared speed limit at the start, place in its chain (see lookahead.rs).
+    pub junction_v2: f64,
+    pub chain: u32,
+    pub prefix_v2: f64,
+    pub next: u32,
+    pub previous: u32,
+    pub queue_next: u32,
+    pub queue_previous: u32,
+}
+
+/// Slab of the moves in all spoolers.
+#[derive(Debug, Default)]
+pub struct Moves {
+    slots: Vec<Move>,
+    free: Vec<u32>,
+}
+
+impl Moves {
+    pub fn with_capacity(capacity: usize) -> Self {
+        Moves { slots: Vec::with_capacity(capacity), free: Vec::with_capacity(capacity) }
+    }
+    /// Stores a move. The slab is as large as all spoolers together, so it does not grow in a sample.
+    pub fn add(&mut self, mv: Move) -> u32 {
+        if let Some(slot) = self.free.pop() {
+            self.slots[slot as usize] = mv;
+            return slot;
+        }
+        self.slots.push(mv);
+        (self.slots.len() - 1) as u32
+    }
+    /// One axis lets go; true if it was the last and the slot is free again.
+    pub fn release(&mut self, slot: u32) -> bool {
+        let mv = &mut self[slot];
+        mv.users -= 1;
+        if mv.users == 0 {
+            self.free.push(slot);
+            return true;
+        }
+        false
+    }
+    /// Slots in use.
+    pub fn live(&self) -> usize {
+        self.slots.len() - self.free.len()
+    }
+}
+
+impl Index<u32> for Moves {
+    type Output = Move;
+    #[inline]
+    fn index(&self, slot: u32) -> &Move {
+        &self.slots[slot as usize]
+    }
+}
+impl IndexMut<u32> for Moves {
+    #[inline]
+    fn index_mut(&mut self, slot: u32) -> &mut Move {
+        &mut self.slots[slot as usize]
+    }
+}
+
+/// A spool special function (4.4.123) as entered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Function {
+    pub command: u16,
+    pub value: f64,
+    pub line: u32,
+}
+
+/// One entry of an axis' spooler.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Entry {
+    Move {
+        slot: u32,
+        component: Component,
+    },
+    Function(Function),
+    /// Where a feed hold comes to rest; what follows waits for `resume` (hold.rs). Takes no memory.
+    HoldPoint,
+}
+
+impl Entry {
+    pub const fn bytes(&self) -> u32 {
+        match self {
+            Entry::Move { component, .. } if component.circle => BYTES_CIRCLE,
+            Entry::Move { .. } => BYTES_LINEAR,
+            Entry::Function(_) => BYTES_FUNCTION,
+            Entry::HoldPoint => 0,
+        }
+    }
+}
+
+/// Whether a spooler is being processed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SpoolState {
+    /// Direct mode: entries wait for `ssms`.
+    #[default]
+    Direct,
+    Running,
+    /// After `sstps`, or in ssf 1000: `ssms` goes on.
+    Stopped,
+    Halted,
+    /// Feed hold: only `resume` goes on.
+    Held,
+}
+
+/// The queue of one axis.
+#[derive(Debug)]
+pub struct Spooler {
+    ring: VecDeque<Entry>,
+    memory: u32,
+    used: u32,
+    moves: u32,
+    pub state: SpoolState,
+}
+
+impl Spooler {
+    pub fn new(memory: u32) -> Self {
+        let most = (memory / BYTES_FUNCTION) as usize + 2;
+        Spooler { ring: VecDeque::with_capacity(most), memory, used: 0, moves: 0, state: SpoolState::Direct }
+    }
+    /// Free memory in bytes (lsm, 4.4.84).
+    pub fn left(&self) -> u32 {
+        self.memory.saturating_sub(self.used)
+    }
+    /// Motion commands waiting (mcis, 4.4.87).
+    pub fn moves(&self) -> u32 {
+        self.moves
+    }
+    pub fn is_empty(&self) -> bool {
+        self.ring.is_empty()
+    }
+    pub fn len(&self) -> usize {
+        self.ring.len()
+    }
+    /// Appends; the caller has checked [`Spooler::left`].
+    pub fn push(&mut self, entry: Entry) {
+        self.account(&entry, true);
+        self.ring.push_back(entry);
+    }
+    /// Puts an entry before all others (a feed hold puts back what it cut).
+    pub fn push_front(&mut self, entry: Entry) {
+        self.account(&entry, true);
+        self.ring.push_front(entry);
+    }
+    pub fn pop(&mut self) -> Option<Entry> {
+        let entry = self.ring.pop_front()?;
+        self.account(&entry, false);
+        Some(entry)
+    }
+    /// Takes an entry out of the queue.
+    pub fn remove(&mut self, index: usize) -> Option<Entry> {
+        let entry = self.ring.remove(index)?;
+        self.account(&entry, false);
+        Some(entry)
+    }
+    pub fn insert(&mut self, index: usize, entry: Entry) {
+        self.account(&entry, true);
+        self.ring.insert(index, entry);
+    }
+    pub fn pop_back(&mut self) -> Option<Entry> {
+        let entry = self.ring.pop_back()?;
+        self.account(&entry, false);
+        Some(entry)
+    }
+    pub fn entries(&self) -> &VecDeque<Entry> {
+        &self.ring
+    }
+    pub fn entry_mut(&mut self, index: usize) -> Option<&mut Entry> {
+        self.ring.get_mut(index)
+    }
+    fn account(&mut self, entry: &Entry, enters: bool) {
+        let (bytes, moves) = (entry.bytes(), u32::from(matches!(entry, Entry::Move { .. })));
+        if enters {
+            self.used += bytes;
+            self.moves += moves;
+        } else {
+            self.used -= bytes;
+            self.moves -= moves;
+        }
+    }
+}
