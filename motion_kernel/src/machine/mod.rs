@@ -2,6 +2,13 @@
 
 use crate::axes::AxisSet;
 
+mod file;
+mod section;
+mod show;
+
+pub use file::{AXIS_LETTERS, BUILTIN};
+pub use section::{MC_IDS, MachineDiagnostic, nearest};
+
 /// A machine as the kernel and the compilers see it. Lengths in mm, rotary positions in degrees,
 /// times in s, velocities and accelerations per second.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +70,8 @@ pub struct Axis {
     /// Encoder counts (stepper: steps) per mm or degree.
     pub counts_per_unit: f64,
     pub rapid: f64,
+    /// What the drive can accelerate.
+    pub acceleration: f64,
     /// Jog velocity, acceleration and stop deceleration (jvl, jac, sdec).
     pub jog_velocity: f64,
     pub jog_acceleration: f64,
