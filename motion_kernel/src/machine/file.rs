@@ -149,14 +149,9 @@ pub(super) const LIMIT_FUNCTIONS: [(&str, LimitFunction); 4] = [
     ("SMA", LimitFunction::Sma),
     ("SMD", LimitFunction::Smd),
 ];
-pub(super) const PROFILES: [(&str, Profile); 4] = [
-    ("din", Profile::Din),
-    ("fanuc", Profile::Fanuc),
-    ("linuxcnc", Profile::Linuxcnc),
-    ("lathe", Profile::Lathe),
-];
-pub(super) const DWELL_UNITS: [(&str, DwellUnit); 2] =
-    [("ms", DwellUnit::Milliseconds), ("s", DwellUnit::Seconds)];
+pub(super) const PROFILES: [(&str, Profile); 4] =
+    [("din", Profile::Din), ("fanuc", Profile::Fanuc), ("linuxcnc", Profile::Linuxcnc), ("lathe", Profile::Lathe)];
+pub(super) const DWELL_UNITS: [(&str, DwellUnit); 2] = [("ms", DwellUnit::Milliseconds), ("s", DwellUnit::Seconds)];
 /// Address letters of part programs that may name an axis (din66025.md section 4).
 pub const AXIS_LETTERS: &str = "XYZABCUVW";
 

@@ -118,12 +118,7 @@ impl<'a, 't> Section<'a, 't> {
         self.number_if_given(key, unit, bounds).unwrap_or(f64::NAN)
     }
 
-    pub(super) fn number_if_given(
-        &self,
-        key: &'static str,
-        unit: &str,
-        bounds: RangeInclusive<f64>,
-    ) -> Option<f64> {
+    pub(super) fn number_if_given(&self, key: &'static str, unit: &str, bounds: RangeInclusive<f64>) -> Option<f64> {
         let value = self.get(key)?;
         let Some(number) = as_number(value.get_ref()) else {
             self.wrong_type(key, value, "a number");

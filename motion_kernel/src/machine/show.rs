@@ -83,7 +83,9 @@ impl Out {
         let PidfGains { kp, ki, kd, kpl, kfcv, kfca } = a.pidf;
         self.value(
             "pidf",
-            format_args!("{{ kp = {kp:?}, ki = {ki:?}, kd = {kd:?}, kpl = {kpl:?}, kfcv = {kfcv:?}, kfca = {kfca:?} }}"),
+            format_args!(
+                "{{ kp = {kp:?}, ki = {ki:?}, kd = {kd:?}, kpl = {kpl:?}, kfcv = {kfcv:?}, kfca = {kfca:?} }}"
+            ),
         );
         let Plant { lag_s, full_speed, backlash } = a.plant;
         self.value(

@@ -21,6 +21,7 @@ fn axis(name: char, kind: AxisKind) -> Axis {
         kind,
         counts_per_unit: 10_000.0,
         rapid: 200.0,
+        acceleration: 1000.0,
         jog_velocity: 50.0,
         jog_acceleration: 500.0,
         stop_deceleration: 2000.0,
