@@ -155,7 +155,7 @@ impl Mcu {
         let mv = &mut self.moves[slot];
         let (s, v) = mv.profile.at(t);
         let limit_v2 = mv.profile.end_v.max(0.0).powi(2);
-        let (mut profile, mut stands) = Profile::stopping(s, mv.to, v.max(0.0), brake_acc, mv.ac, limit_v2);
+        let (mut profile, mut stands) = Profile::stopping(s, mv.to, v.max(0.0), brake_acc, limit_v2);
         if v < 0.0 {
             (profile, stands) = (Profile::turning_back(s, v, brake_acc), true);
         }
@@ -171,7 +171,10 @@ impl Mcu {
             let bound = self.lookahead.plan(&mut self.moves, next, self.registers.lookahead_depth);
             let mv = &mut self.moves[next];
             let limit_v2 = if looks_ahead { bound.v2 } else { mv.tvl.max(0.0).powi(2) };
-            (profile, stands) = Profile::stopping(mv.from, mv.to, profile.end_v.min(mv.vl), brake_acc, mv.ac, limit_v2);
+            // without look-ahead the plan itself may start lower, by a jump (2.2.2)
+            let highest_v2 = limit_v2 + 2.0 * mv.ac.max(brake_acc) * (mv.to - mv.from);
+            let start_v = profile.end_v.min(mv.vl).min(highest_v2.sqrt());
+            (profile, stands) = Profile::stopping(mv.from, mv.to, start_v, brake_acc, limit_v2);
             (mv.profile, mv.planned, mv.stopping) = (profile, true, true);
             current = next;
         }

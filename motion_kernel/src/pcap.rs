@@ -307,7 +307,7 @@ impl Mcu {
                 continue;
             }
             let brake_acc = if axis.parameters.sdec > 0.0 { axis.parameters.sdec } else { f64::INFINITY };
-            (axis.alone, _) = Profile::stopping(0.0, f64::INFINITY, v.abs(), brake_acc, brake_acc, 0.0);
+            (axis.alone, _) = Profile::stopping(0.0, f64::INFINITY, v.abs(), brake_acc, 0.0);
             (axis.component.base, axis.component.p) = (axis.dp, v.signum());
             (axis.doing, axis.t) = (Doing::Alone, 0.0);
         }

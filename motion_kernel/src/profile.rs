@@ -176,31 +176,21 @@ impl Profile {
         profile
     }
 
-    /// Braking along a planned contour (design D17): from `from` with `brake_acc`, but not above the curve
-    /// that brakes with `plan_acc` to `limit_v2` (squared velocity) at `to`. Returns the profile and the path
-    /// coordinate where it stands still, if it does so before `to`.
-    pub fn stopping(from: f64, to: f64, start_v: f64, brake_acc: f64, plan_acc: f64, limit_v2: f64) -> (Profile, bool) {
-        let stop_s = from + start_v * start_v / (2.0 * brake_acc);
-        let end_v2 = start_v * start_v - 2.0 * brake_acc * (to - from);
+    /// Braking along a planned contour (design D17) with `brake_acc`, but harder where the plan asks for less
+    /// than that leaves at `to` (`limit_v2`, squared). A plan is concave in v² over the path, so this is never
+    /// faster than planned. Returns the profile, and whether it stands still before `to`.
+    pub fn stopping(from: f64, to: f64, start_v: f64, brake_acc: f64, limit_v2: f64) -> (Profile, bool) {
+        let start_v2 = start_v * start_v;
+        let stop_s = from + start_v2 / (2.0 * brake_acc);
         let mut profile = Profile::default();
-        if end_v2 <= limit_v2 || plan_acc <= brake_acc {
-            let stands = stop_s < to;
-            let end_v = if stands { 0.0 } else { end_v2.max(0.0).sqrt() };
-            profile.end_s = if stands { stop_s } else { to };
-            profile.end_v = end_v;
-            profile.push(from, start_v, end_v, -brake_acc, 0.0);
-            return (profile, stands);
+        if stop_s < to {
+            profile.end_s = stop_s;
+            profile.push(from, start_v, 0.0, -brake_acc, 0.0);
+            return (profile, true);
         }
-        // Both curves cross inside: first the stop, then the planned brake, which is steeper.
-        let switch_s =
-            (start_v * start_v - limit_v2 + 2.0 * (brake_acc * from - plan_acc * to)) / (2.0 * (brake_acc - plan_acc));
-        let switch_s = switch_s.clamp(from, to);
-        let switch_v = (start_v * start_v - 2.0 * brake_acc * (switch_s - from)).max(0.0).sqrt();
-        let end_v = limit_v2.sqrt();
-        profile.end_s = to;
-        profile.end_v = end_v;
-        profile.push(from, start_v, switch_v, -brake_acc, 0.0);
-        profile.push(from, switch_v, end_v, -plan_acc, 0.0);
+        let acc = brake_acc.max((start_v2 - limit_v2) / (2.0 * (to - from)));
+        (profile.end_s, profile.end_v) = (to, (start_v2 - 2.0 * acc * (to - from)).max(0.0).sqrt());
+        profile.push(from, start_v, profile.end_v, -acc, 0.0);
         (profile, false)
     }
 

@@ -1,6 +1,8 @@
 //! Machines and helpers for the tests of the kernel.
 #![allow(dead_code)] // every test binary uses its own part
 
+pub mod contour;
+
 use motion_kernel::autocode::MoveKind;
 use motion_kernel::axes::{AxisList, AxisSet};
 use motion_kernel::functions::Entered;
