@@ -36,12 +36,12 @@ pub fn shape() -> impl Strategy<Value = Shape> {
     let length = prop_oneof![0.05..0.5f64, 0.5..20.0f64];
     let sign = prop_oneof![Just(-1.0), Just(1.0)];
     prop_oneof![
-        (length.clone(), 0.0..6.28f64, -1.0..1.0f64).prop_map(|(l, w, z)| Shape::Line([
+        (length.clone(), 0.0..std::f64::consts::TAU, -1.0..1.0f64).prop_map(|(l, w, z)| Shape::Line([
             l * w.cos(),
             l * w.sin(),
             l * z
         ])),
-        (0.2..10.0f64, 0.0..6.28f64, sign, 5.0..500.0f64, prop_oneof![Just(0.0), -5.0..5.0f64])
+        (0.2..10.0f64, 0.0..std::f64::consts::TAU, sign, 5.0..500.0f64, prop_oneof![Just(0.0), -5.0..5.0f64])
             .prop_map(|(r, w, s, phi, z)| Shape::Arc([r * w.cos(), r * w.sin()], s * phi, z)),
     ]
 }
