@@ -271,7 +271,7 @@ impl Mcu {
         for a in 0..self.axes.len() {
             let axis = &mut self.axes[a];
             let position_loop = &mut self.loops[a];
-            position_loop.control(axis.dp);
+            position_loop.control(axis.dp, axis.dv);
             let travels = matches!(axis.doing, Doing::Move(_) | Doing::Alone);
             axis.status.put(Axst::pe, !travels);
             let off = (axis.dp - position_loop.rp()).abs();

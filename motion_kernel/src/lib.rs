@@ -7,6 +7,7 @@
 pub mod autocode;
 pub mod axes;
 pub mod axis;
+pub mod controller;
 mod cycle;
 pub mod functions;
 mod hold;
@@ -15,6 +16,7 @@ pub mod machine;
 pub mod mcu;
 pub mod path;
 pub mod pcap;
+pub mod plant;
 pub mod position_loop;
 pub mod profile;
 pub mod registers;

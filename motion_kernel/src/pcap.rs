@@ -333,7 +333,7 @@ impl Mcu {
             let axis = &mut self.axes[a];
             axis.dp = self.loops[a].rp();
             axis.forget_queue();
-            self.loops[a].close(axis.dp);
+            self.loops[a].close();
             self.set_status(a, Axst::saf | Axst::mpe | Axst::lsls | Axst::lsrs, false);
             self.axes[a].status.set(Axst::cl);
         }
