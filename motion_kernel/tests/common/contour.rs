@@ -122,7 +122,10 @@ pub fn off(p: &Point, placed: &Placed) -> (f64, f64) {
 }
 
 pub fn length(placed: &Placed) -> f64 {
-    off(&placed.end, placed).1
+    match &placed.block.shape {
+        Shape::Line(_) => distance(&placed.start, &placed.end),
+        Shape::Arc(c, phi, dz) => (c[0].hypot(c[1]) * phi.to_radians()).hypot(*dz),
+    }
 }
 
 /// Every sample lies on the block that the trace names, and the path is travelled forwards.
