@@ -113,7 +113,6 @@ impl Mcu {
         let halted: AxisSet = halted.collect();
         self.ssms(halted);
         self.ClearCI99();
-        self.told.acknowledge = false;
     }
 
     pub fn modereg(&self) -> ModeReg {
