@@ -1,0 +1,455 @@
+//! `cnc_front._native.motion_kernel`: the machine file and the controller.
+
+use std::sync::Arc;
+
+use motion_kernel::autocode::MoveKind;
+use motion_kernel::axes::{AxisList, AxisSet, MAX_AXES};
+use motion_kernel::functions::Entered;
+use motion_kernel::machine::{self, AxisKind};
+use motion_kernel::pcap::MotionCommand;
+use motion_kernel::registers::{Axst, ErrorReg, ModeReg};
+use motion_kernel::trace::Trace;
+use motion_kernel::{Mcu as Kernel, Stop};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use pyo3::exceptions::{PyIndexError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("MachineError", module.py().get_type::<MachineError>())?;
+    module.add_class::<Machine>()?;
+    module.add_class::<Mcu>()?;
+    module.add_class::<Chunk>()?;
+    module.add_function(wrap_pyfunction!(register_bits, module)?)?;
+    Ok(())
+}
+
+pyo3::create_exception!(
+    motion_kernel,
+    MachineError,
+    PyValueError,
+    "A machine file with findings: args[0] is a list of (file, line, column, end_column, id, message, hint)."
+);
+
+/// A validated machine file.
+#[pyclass(frozen, module = "cnc_front._native.motion_kernel")]
+pub struct Machine {
+    pub inner: Arc<machine::Machine>,
+}
+
+type Row = (String, u32, u32, u32, String, String, String);
+
+#[pymethods]
+impl Machine {
+    /// Reads the bytes of a machine file; raises MachineError with all findings.
+    #[staticmethod]
+    fn parse(bytes: &[u8], filename: &str) -> PyResult<Machine> {
+        machine::Machine::parse(bytes).map(|inner| Machine { inner: Arc::new(inner) }).map_err(|list| {
+            let row = |d: machine::MachineDiagnostic| -> Row {
+                (filename.to_owned(), d.line, d.column, d.end_column, d.id.to_owned(), d.message, d.hint)
+            };
+            MachineError::new_err((list.into_iter().map(row).collect::<Vec<Row>>(),))
+        })
+    }
+    /// The built-in 3-axis mill.
+    #[staticmethod]
+    fn builtin() -> Machine {
+        Machine { inner: Arc::new(machine::Machine::builtin()) }
+    }
+    /// Text of the built-in machine file.
+    #[staticmethod]
+    fn builtin_text() -> &'static str {
+        machine::BUILTIN
+    }
+    /// The resolved machine file with all defaults.
+    fn show(&self) -> String {
+        self.inner.show()
+    }
+    #[getter]
+    fn name(&self) -> &str {
+        &self.inner.name
+    }
+    #[getter]
+    fn tolerance_mm(&self) -> f64 {
+        self.inner.tolerance_mm
+    }
+    #[getter]
+    fn sample_time_us(&self) -> f64 {
+        f64::from(self.inner.controller.sample_ticks) * 64.0
+    }
+    #[getter]
+    fn trovrst_s(&self) -> f64 {
+        self.inner.gcode.trovrst_s
+    }
+    #[getter]
+    fn axis_names(&self) -> Vec<String> {
+        self.inner.axes.iter().map(|a| a.name.clone()).collect()
+    }
+    /// Address letter per axis, empty where part programs may not use it.
+    #[getter]
+    fn letters(&self) -> Vec<String> {
+        self.inner.axes.iter().map(|a| a.letter.map(String::from).unwrap_or_default()).collect()
+    }
+    /// "linear" or "rotary" per axis.
+    #[getter]
+    fn kinds(&self) -> Vec<&'static str> {
+        let word = |a: &machine::Axis| if a.kind == AxisKind::Linear { "linear" } else { "rotary" };
+        self.inner.axes.iter().map(word).collect()
+    }
+    /// "mm" or "deg" per axis.
+    #[getter]
+    fn units(&self) -> Vec<&'static str> {
+        self.inner.axes.iter().map(|a| if a.kind == AxisKind::Linear { "mm" } else { "deg" }).collect()
+    }
+    /// Following error limit per axis.
+    #[getter]
+    fn mpe(&self) -> Vec<f64> {
+        self.inner.axes.iter().map(|a| a.mpe).collect()
+    }
+    /// Software limits per axis, None where there are none.
+    #[getter]
+    fn limits(&self) -> Vec<Option<(f64, f64)>> {
+        self.inner.axes.iter().map(|a| a.limits.map(|l| (l.left, l.right))).collect()
+    }
+    /// Start position of a G-code run per axis.
+    #[getter]
+    fn start(&self) -> Vec<f64> {
+        self.inner.axes.iter().map(|a| a.start).collect()
+    }
+    #[getter]
+    fn effradius(&self) -> Vec<f64> {
+        self.inner.axes.iter().map(|a| a.effradius).collect()
+    }
+    /// mdvel, maxvel, maxacc, rapid, acceleration per axis.
+    fn dynamics(&self) -> Vec<(f64, f64, f64, f64, f64)> {
+        self.inner.axes.iter().map(|a| (a.mdvel, a.maxvel, a.maxacc, a.rapid, a.acceleration)).collect()
+    }
+}
+
+/// Columns of some samples (see motion_kernel::trace): n samples, a axes.
+#[pyclass(frozen, get_all, module = "cnc_front._native.motion_kernel")]
+pub struct Chunk {
+    first_sample: u64,
+    /// Why the advance ended: "budget", "finished", "acknowledge", "held", "task_error", "fault", "events".
+    stop: &'static str,
+    /// Command of an acknowledge, axis of a fault, task of an error; else 0.
+    stop_value: u32,
+    dp: Py<PyArray2<f64>>,
+    load: Py<PyArray2<f64>>,
+    rp: Py<PyArray2<f64>>,
+    line: Py<PyArray1<u32>>,
+    entry: Py<PyArray1<u32>>,
+    v_plan: Py<PyArray1<f64>>,
+    factor: Py<PyArray1<f64>>,
+    flags: Py<PyArray1<u32>>,
+}
+
+impl Chunk {
+    fn new(py: Python<'_>, trace: Trace, stop: Stop) -> PyResult<Chunk> {
+        let (samples, axes) = (trace.len(), trace.axes);
+        let matrix = |column: Vec<f64>| column.into_pyarray(py).reshape([samples, axes]).map(Bound::unbind);
+        let (stop, stop_value) = match stop {
+            Stop::Budget => ("budget", 0),
+            Stop::Finished => ("finished", 0),
+            Stop::Acknowledge { command } => ("acknowledge", u32::from(command)),
+            Stop::Held => ("held", 0),
+            Stop::TaskError { task } => ("task_error", task as u32),
+            Stop::Fault { axis } => ("fault", axis as u32),
+            Stop::Events => ("events", 0),
+        };
+        Ok(Chunk {
+            first_sample: trace.first_sample,
+            stop,
+            stop_value,
+            dp: matrix(trace.dp)?,
+            load: matrix(trace.load)?,
+            rp: matrix(trace.rp)?,
+            line: trace.line.into_pyarray(py).unbind(),
+            entry: trace.entry.into_pyarray(py).unbind(),
+            v_plan: trace.v_plan.into_pyarray(py).unbind(),
+            factor: trace.factor.into_pyarray(py).unbind(),
+            flags: trace.flags.into_pyarray(py).unbind(),
+        })
+    }
+}
+
+#[pymethods]
+impl Chunk {
+    fn __len__(&self, py: Python<'_>) -> usize {
+        self.flags.bind(py).len().unwrap_or(0)
+    }
+}
+
+/// The emulated controller. Axes are given by index; motion_kernel.Mcu adds names.
+#[pyclass(module = "cnc_front._native.motion_kernel")]
+pub struct Mcu {
+    kernel: Kernel,
+}
+
+fn set(axes: &[usize]) -> PyResult<AxisSet> {
+    match axes.iter().find(|&&a| a >= MAX_AXES) {
+        Some(a) => Err(PyIndexError::new_err(format!("there is no axis {a}"))),
+        None => Ok(axes.iter().copied().collect()),
+    }
+}
+
+fn outcome(entered: Entered) -> &'static str {
+    match entered {
+        Entered::Yes => "entered",
+        Entered::Full => "full",
+        Entered::Refused => "refused",
+        Entered::Discarded => "discarded",
+    }
+}
+
+/// (sample, kind, axis or task, name, on, line, value)
+type EventRow = (u64, &'static str, i32, &'static str, bool, u32, i64);
+
+#[pymethods]
+impl Mcu {
+    #[new]
+    fn new(machine: &Machine) -> Mcu {
+        Mcu { kernel: Kernel::new(machine.inner.clone()) }
+    }
+
+    fn axis_count(&self) -> usize {
+        self.kernel.machine().axes.len()
+    }
+    fn samples(&self) -> u64 {
+        self.kernel.samples()
+    }
+    /// Lets up to `samples` sample intervals pass; comes back earlier when there is something to say (Chunk.stop).
+    fn advance(&mut self, py: Python<'_>, samples: u64) -> PyResult<Chunk> {
+        let kernel = &mut self.kernel;
+        let (trace, stop) = py.detach(|| {
+            let mut trace = Trace::default();
+            let advanced = kernel.advance(samples, &mut trace);
+            (trace, advanced.stop)
+        });
+        Chunk::new(py, trace, stop)
+    }
+    fn prepare_gcode(&mut self) {
+        self.kernel.prepare_gcode();
+    }
+    fn hold(&mut self) {
+        self.kernel.hold();
+    }
+    fn resume(&mut self) {
+        self.kernel.resume();
+    }
+    fn is_holding(&self) -> bool {
+        self.kernel.is_holding()
+    }
+    fn abort(&mut self) {
+        self.kernel.abort();
+    }
+    fn acknowledge(&mut self) {
+        self.kernel.acknowledge();
+    }
+    /// Events since the last call.
+    fn events(&mut self) -> Vec<EventRow> {
+        let row = |e: motion_kernel::trace::Event| (e.sample, e.kind.name(), e.axis, e.name, e.on, e.line, e.value);
+        self.kernel.events().into_iter().map(row).collect()
+    }
+
+    fn startcnct(&mut self, task: usize) -> PyResult<()> {
+        self.kernel.startcnct(known_task(task)?);
+        Ok(())
+    }
+    fn stopcnct(&mut self, task: usize) -> PyResult<()> {
+        self.kernel.stopcnct(known_task(task)?);
+        Ok(())
+    }
+    fn contcnct(&mut self, task: usize) -> PyResult<()> {
+        self.kernel.contcnct(known_task(task)?);
+        Ok(())
+    }
+    fn stepcnct(&mut self, task: usize) -> PyResult<()> {
+        self.kernel.stepcnct(known_task(task)?);
+        Ok(())
+    }
+    /// What the tasks wrote since the last call.
+    fn take_output(&mut self, task: usize) -> PyResult<String> {
+        Ok(self.kernel.take_output(known_task(task)?))
+    }
+
+    /// smla, smlr, smca, smcr, smha, smhr: "entered", "full", "refused" (open loop, D11) or "discarded" (ErrorReg).
+    #[allow(clippy::too_many_arguments)] // the command has these parameters
+    fn spool(
+        &mut self,
+        kind: &str,
+        axes: Vec<usize>,
+        targets: Vec<f64>,
+        vl: f64,
+        ac: f64,
+        tvl: f64,
+        phi: f64,
+        center: [f64; 2],
+    ) -> PyResult<&'static str> {
+        let kind = MoveKind::ALL.into_iter().find(|k| k.name() == kind);
+        let kind = kind.ok_or_else(|| PyValueError::new_err("unknown motion command"))?;
+        set(&axes)?;
+        if axes.len() > MAX_AXES || targets.len() != axes.len() {
+            return Err(PyValueError::new_err("one target for each axis"));
+        }
+        let list = AxisList::new(&axes);
+        let command =
+            MotionCommand { kind, axes: &list, targets: &targets, center, phi, vl, ac, tvl, rapid: false, line: 0 };
+        Ok(outcome(self.kernel.spool(&command)))
+    }
+    fn ssf(&mut self, axis: usize, command: u16, value: f64) -> PyResult<&'static str> {
+        self.check(axis)?;
+        Ok(outcome(self.kernel.ssf(axis, command, value, 0)))
+    }
+    fn ssms(&mut self, axes: Vec<usize>) -> PyResult<()> {
+        self.kernel.ssms(set(&axes)?);
+        Ok(())
+    }
+    fn sstps(&mut self, axes: Vec<usize>) -> PyResult<()> {
+        self.kernel.sstps(set(&axes)?);
+        Ok(())
+    }
+    fn sdels(&mut self, axes: Vec<usize>) -> PyResult<()> {
+        self.kernel.sdels(set(&axes)?);
+        Ok(())
+    }
+    fn ms(&mut self, axes: Vec<usize>) -> PyResult<()> {
+        self.kernel.ms(set(&axes)?);
+        Ok(())
+    }
+    fn js(&mut self, axes: Vec<usize>) -> PyResult<()> {
+        self.kernel.js(set(&axes)?);
+        Ok(())
+    }
+    fn cl(&mut self, axes: Vec<usize>) -> PyResult<()> {
+        self.kernel.cl(set(&axes)?);
+        Ok(())
+    }
+    fn ol(&mut self, axes: Vec<usize>) -> PyResult<()> {
+        self.kernel.ol(set(&axes)?);
+        Ok(())
+    }
+    fn rs(&mut self) {
+        self.kernel.rs();
+    }
+    /// False if the factor is not accepted (<= 0).
+    fn wrtrovr(&mut self, factor: f64) -> bool {
+        self.kernel.wrtrovr(factor)
+    }
+    fn wrtrovrst(&mut self, seconds: f64) {
+        self.kernel.wrtrovrst(seconds);
+    }
+    fn utrovr(&mut self, axes: Vec<usize>) -> PyResult<()> {
+        self.kernel.utrovr(set(&axes)?);
+        Ok(())
+    }
+    fn wrjovr(&mut self, axis: usize, factor: f64) -> PyResult<bool> {
+        self.check(axis)?;
+        Ok(self.kernel.wrjovr(axis, factor))
+    }
+    fn clearci99(&mut self) {
+        self.kernel.ClearCI99();
+    }
+    fn rdmodereg(&self) -> u32 {
+        self.kernel.modereg().0
+    }
+    fn wrmodereg(&mut self, value: u32) {
+        self.kernel.set_modereg(ModeReg(value));
+    }
+    fn rderrorreg(&self) -> u32 {
+        self.kernel.errorreg().0
+    }
+    fn clear_errorreg(&mut self) {
+        self.kernel.clear_errorreg();
+    }
+    fn rdaxst(&self, axis: usize) -> PyResult<u32> {
+        self.check(axis)?;
+        Ok(self.kernel.axst(axis).0)
+    }
+    fn rdci(&self, number: usize) -> PyResult<i32> {
+        Ok(self.kernel.ci(common(number)?))
+    }
+    fn wrci(&mut self, number: usize, value: i32) -> PyResult<()> {
+        self.kernel.set_ci(common(number)?, value);
+        Ok(())
+    }
+    fn rdcd(&self, number: usize) -> PyResult<f64> {
+        Ok(self.kernel.cd(common(number)?))
+    }
+    fn wrcd(&mut self, number: usize, value: f64) -> PyResult<()> {
+        self.kernel.set_cd(common(number)?, value);
+        Ok(())
+    }
+    fn set_inputs(&mut self, digi: u32) {
+        self.kernel.set_inputs(digi);
+    }
+
+    /// Everything a screen shows: the controller as a dict, its axes as a list of dicts.
+    fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let s = self.kernel.status();
+        let dict = PyDict::new(py);
+        dict.set_item("sample", s.sample)?;
+        dict.set_item("entry", s.entry)?;
+        dict.set_item("line", s.line)?;
+        dict.set_item("length", s.length)?;
+        dict.set_item("done", s.done)?;
+        dict.set_item("rapid", s.rapid)?;
+        dict.set_item("path_v", s.path_v)?;
+        dict.set_item("programmed_v", s.programmed_v)?;
+        dict.set_item("factor", s.factor)?;
+        dict.set_item("trovr", s.trovr)?;
+        dict.set_item("errorreg", s.errorreg.names().collect::<Vec<_>>())?;
+        dict.set_item("holding", s.holding)?;
+        dict.set_item("stands", s.stands)?;
+        dict.set_item("waits", s.waits)?;
+        let axes: PyResult<Vec<_>> = s.axes.iter().map(|a| axis_dict(py, a)).collect();
+        dict.set_item("axes", axes?)?;
+        Ok(dict)
+    }
+}
+
+impl Mcu {
+    fn check(&self, axis: usize) -> PyResult<()> {
+        if axis < self.axis_count() { Ok(()) } else { Err(PyIndexError::new_err(format!("there is no axis {axis}"))) }
+    }
+}
+
+fn axis_dict<'py>(py: Python<'py>, a: &motion_kernel::status::AxisSnapshot) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("axst", a.axst.names().collect::<Vec<_>>())?;
+    dict.set_item("dp", a.dp)?;
+    dict.set_item("rp", a.rp)?;
+    dict.set_item("load", a.load)?;
+    dict.set_item("dv", a.dv)?;
+    dict.set_item("target", a.target)?;
+    dict.set_item("mcis", a.mcis)?;
+    dict.set_item("lsm", a.lsm)?;
+    dict.set_item("memory", a.memory)?;
+    dict.set_item("jovr", a.jovr)?;
+    dict.set_item("spooler", format!("{:?}", a.spool_state))?;
+    dict.set_item("digo", a.digo)?;
+    Ok(dict)
+}
+
+fn known_task(task: usize) -> PyResult<usize> {
+    if task < motion_kernel::mcu::TASKS { Ok(task) } else { Err(PyIndexError::new_err("tasks are 0 to 3")) }
+}
+
+fn common(number: usize) -> PyResult<usize> {
+    if number < motion_kernel::mcu::COMMONS {
+        Ok(number)
+    } else {
+        Err(PyIndexError::new_err("common variables are 0 to 999"))
+    }
+}
+
+/// Bit tables for Python: (number, name, text).
+#[pyfunction]
+pub fn register_bits(register: &str) -> PyResult<Vec<(u32, &'static str, &'static str)>> {
+    match register {
+        "axst" => Ok(Axst::ALL.to_vec()),
+        "errorreg" => Ok(ErrorReg::ALL.to_vec()),
+        "modereg" => Ok(ModeReg::ALL.to_vec()),
+        _ => Err(PyValueError::new_err("axst, errorreg or modereg")),
+    }
+}
