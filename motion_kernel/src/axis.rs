@@ -1,6 +1,7 @@
 //! One axis: its registers, its spooler and the command it is executing.
 
 use crate::axes::AxisSet;
+use crate::limits::Limiting;
 use crate::machine;
 use crate::path::Component;
 use crate::profile::Profile;
@@ -133,6 +134,7 @@ pub struct Axis {
     /// The function behind [`Doing::Wait`] or a halt, to put it back at a feed hold.
     pub function: Option<Function>,
 
+    pub limiting: Limiting,
     pub status: Axst,
     pub digo: u32,
     pub parameters: Parameters,
@@ -159,6 +161,7 @@ impl Axis {
             queue_tvl: 0.0,
             queue_last: NONE,
             function: None,
+            limiting: Limiting::default(),
             status: Axst::pe,
             digo: 0,
             parameters: Parameters::new(axis),

@@ -24,6 +24,7 @@ impl Mcu {
             self.step_axis(a);
         }
         self.check_synchronism();
+        self.watch_limits();
         self.close_sample();
         self.record(trace);
         self.sample += 1;
@@ -271,10 +272,11 @@ impl Mcu {
         for a in 0..self.axes.len() {
             let axis = &mut self.axes[a];
             let position_loop = &mut self.loops[a];
-            position_loop.control(axis.dp, axis.dv);
+            let held = axis.limiting.frozen.is_some();
+            position_loop.control(axis.set_point(), if held { 0.0 } else { axis.dv }, axis.limiting.motor_off);
             let travels = matches!(axis.doing, Doing::Move(_) | Doing::Alone);
             axis.status.put(Axst::pe, !travels);
-            let off = (axis.dp - position_loop.rp()).abs();
+            let off = (axis.set_point() - position_loop.rp()).abs();
             let in_position = !travels && (axis.parameters.ipw <= 0.0 || off < axis.parameters.ipw);
             axis.status.put(Axst::ip, in_position && axis.parameters.ipw > 0.0);
             settled &= in_position;
@@ -307,7 +309,7 @@ impl Mcu {
     fn record(&self, trace: &mut Trace) {
         let mut flags = 0;
         for (axis, position_loop) in self.axes.iter().zip(&self.loops) {
-            trace.dp.push(axis.dp);
+            trace.dp.push(axis.set_point());
             trace.load.push(position_loop.load());
             trace.rp.push(position_loop.rp());
             flags |= match axis.doing {

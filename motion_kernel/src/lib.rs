@@ -11,6 +11,7 @@ pub mod controller;
 mod cycle;
 pub mod functions;
 mod hold;
+pub mod limits;
 pub mod lookahead;
 pub mod machine;
 pub mod mcu;

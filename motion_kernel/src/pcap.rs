@@ -4,6 +4,7 @@ use crate::autocode::MoveKind;
 use crate::axes::{AxisList, AxisSet, MAX_AXES};
 use crate::axis::{Doing, Override};
 use crate::functions::Entered;
+use crate::limits::Limiting;
 use crate::lookahead::{Tangent, junction_v};
 use crate::mcu::{Mcu, WAIT_CI};
 use crate::path::{self, Ends, Geometry, NoPath};
@@ -332,6 +333,7 @@ impl Mcu {
             self.enter_direct_mode(a);
             let axis = &mut self.axes[a];
             axis.dp = self.loops[a].rp();
+            axis.limiting = Limiting::default();
             axis.forget_queue();
             self.loops[a].close();
             self.set_status(a, Axst::saf | Axst::mpe | Axst::lsls | Axst::lsrs, false);

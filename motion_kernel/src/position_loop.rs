@@ -75,9 +75,10 @@ impl PositionLoop {
             Drive::Stepper { target } => self.counts = *target,
         }
     }
-    /// The filter computes the next motor command for set point `dp` moving at `dv` (axis units).
+    /// The filter computes the next motor command for set point `dp` moving at `dv` (axis units). Towards the
+    /// side `motor_off` (-1, +1; 0 = none) the motor gets no command (limit function TOM).
     #[inline]
-    pub fn control(&mut self, dp: f64, dv: f64) {
+    pub fn control(&mut self, dp: f64, dv: f64, motor_off: f64) {
         match &mut self.drive {
             Drive::Servo { filter, per_sample, velocity, digits, .. } => {
                 if !self.closed {
@@ -87,8 +88,16 @@ impl PositionLoop {
                 let a = (v - *velocity) * *per_sample;
                 *velocity = v;
                 *digits = filter.step(dp * self.counts_per_unit - self.counts as f64, v, a);
+                if *digits * motor_off > 0.0 {
+                    *digits = 0.0;
+                }
             }
-            Drive::Stepper { target } => *target = whole(dp * self.counts_per_unit),
+            Drive::Stepper { target } => {
+                let wanted = whole(dp * self.counts_per_unit);
+                if (wanted - *target) as f64 * motor_off <= 0.0 {
+                    *target = wanted;
+                }
+            }
         }
     }
     pub fn close(&mut self) {

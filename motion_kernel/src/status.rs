@@ -82,7 +82,7 @@ impl Mcu {
         let axis = &self.axes[a];
         AxisSnapshot {
             axst: axis.status,
-            dp: axis.dp,
+            dp: axis.set_point(),
             rp: self.loops[a].rp(),
             load: self.loops[a].load(),
             dv: axis.dv,
