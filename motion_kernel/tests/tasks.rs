@@ -258,10 +258,11 @@ fn runtime_errors_stop_the_task_with_number_and_line() {
         w.number(1.0).number(0.0).emit(Instr::Binary(BinaryOp::Mod));
     };
     assert_eq!(failure(zero), (runtime_error::BAD_PARAMETER, 41));
-    assert_eq!(failure(|w| _ = w.emit(Instr::StoreLocal(0)), (runtime_error::STACK_UNDERFLOW, 41));
-    assert_eq!(failure(|w| _ = w.emit(Instr::Return)), (runtime_error::STACK_UNDERFLOW, 41));
-    assert_eq!(failure(|w| _ = w.emit(Instr::LoadCi(1000)), (runtime_error::COMMON_RANGE, 41));
-    assert_eq!(failure(|w| _ = w.emit(Instr::Jump(9999)), (runtime_error::BAD_ADDRESS, 41));
+    let one = |instr: Instr| failure(move |w| _ = w.emit(instr));
+    assert_eq!(one(Instr::StoreLocal(0)), (runtime_error::STACK_UNDERFLOW, 41));
+    assert_eq!(one(Instr::Return), (runtime_error::STACK_UNDERFLOW, 41));
+    assert_eq!(one(Instr::LoadCi(1000)), (runtime_error::COMMON_RANGE, 41));
+    assert_eq!(one(Instr::Jump(9999)), (runtime_error::BAD_ADDRESS, 41));
     let endless = |w: &mut Writer| {
         let here = w.builder.here();
         w.emit(Instr::Call(here));
