@@ -1,1 +1,24 @@
+//! The second opinion on a run: the path as programmed, built from the translated sequence by this crate's own
+//! geometry, and how far set points and load-side positions stay from it, sample by sample.
+//!
+//! Shares no code with `motion_kernel`. Everything is measured in the metric of design D7: linear axes in mm,
+//! a rotary axis as effradius times angle. [`Path`] is the programmed geometry before merging (design D20),
+//! [`Tracker`] walks both traces along it with a foot point that moves forward only.
 
+mod blocks;
+mod deviation;
+mod feed;
+mod follower;
+mod path;
+mod segment;
+mod sequence;
+mod series;
+mod tracker;
+
+pub use blocks::BlockStats;
+pub use deviation::{DeviationSummary, Worst};
+pub use feed::{FeedSummary, OverrideSummary};
+pub use path::{Block, Merged, Path, Polyline};
+pub use sequence::{PathError, SequenceView};
+pub use series::{LengthSeries, MinMax, TimeSeries};
+pub use tracker::{Chunk, FollowingError, PerSample, Summary, Tracker, TrackerOptions};

@@ -1,0 +1,172 @@
+//! Feed and override checks of design 3.2, from the foot of the set point and the override alone.
+
+/// What one sample interval says about the feed.
+#[derive(Clone, Copy, Debug)]
+pub struct Interval {
+    pub time_s: f64,
+    /// Effective override.
+    pub factor: f64,
+    /// Path run, mm, and the time that the programmed velocity needs for it.
+    pub length: f64,
+    pub programmed_s: f64,
+    /// Length that was run for certain: at a reversal two feet are equally near, and the chord decides.
+    pub certain: f64,
+    pub rapid: bool,
+}
+
+/// Share of F times override that counts as reached.
+const REACHED: f64 = 0.99;
+
+/// `feed` of design 3.2; None where no feed motion was measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FeedSummary {
+    /// Share of feed motion time at 99 % or more of F times override, %.
+    pub programmed_reached_pct: Option<f64>,
+    /// Most by which path speed exceeded F times override, %; 0 if it never did.
+    pub max_over_pct: Option<f64>,
+    /// Feed motion, rapid motion and standstill, s.
+    pub feed_s: f64,
+    pub rapid_s: f64,
+    pub standstill_s: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FeedCheck {
+    intervals: u64,
+    reached: u64,
+    rapid: u64,
+    still: u64,
+    over: f64,
+}
+
+impl FeedCheck {
+    #[inline]
+    pub fn add(&mut self, interval: &Interval) {
+        let allowed = interval.time_s * interval.factor;
+        if interval.length <= 0.0 || allowed <= 0.0 {
+            self.still += 1;
+        } else if interval.rapid {
+            self.rapid += 1;
+        } else {
+            self.intervals += 1;
+            self.reached += u64::from(interval.programmed_s >= REACHED * allowed);
+            let certain_s = interval.programmed_s * (interval.certain / interval.length).min(1.0);
+            self.over = self.over.max(certain_s / allowed - 1.0);
+        }
+    }
+
+    pub fn summary(&self, sample_time_s: f64) -> FeedSummary {
+        let measured = self.intervals > 0;
+        FeedSummary {
+            programmed_reached_pct: measured.then(|| 100.0 * self.reached as f64 / self.intervals as f64),
+            max_over_pct: measured.then_some(100.0 * self.over),
+            feed_s: self.intervals as f64 * sample_time_s,
+            rapid_s: self.rapid as f64 * sample_time_s,
+            standstill_s: self.still as f64 * sample_time_s,
+        }
+    }
+}
+
+/// `override` of design 3.2 without the schedule itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OverrideSummary {
+    /// Largest set-point deviation less `merged.max_mm` while the factor was not 1.
+    pub path_change_mm: f64,
+    /// Path speed against factor times planned speed, where both are steady; None where they never were.
+    pub velocity_ratio_error_pct: Option<f64>,
+    /// The effective factor reached each scheduled one within TROVRST times the change, and stayed.
+    pub settling_ok: bool,
+}
+
+/// Samples that a change may take beyond TROVRST times its size: command latency (design D2) and rounding.
+const LATENCY_SAMPLES: f64 = 4.0;
+const SAME_FACTOR: f64 = 1e-9;
+
+/// Checks the effective override against its schedule.
+#[derive(Clone, Debug)]
+pub struct OverrideCheck {
+    /// Machine seconds, factor; in order of time.
+    schedule: Vec<(f64, f64)>,
+    trovrst_s: f64,
+    sample_time_s: f64,
+    step: usize,
+    settled_by_s: f64,
+    violated: bool,
+    changed_max: f64,
+    planned: [Steady; 4],
+    ratio_error: Option<f64>,
+}
+
+/// What the steadiness of planned speed and factor is judged on, one per sample.
+#[derive(Clone, Copy, Debug, Default)]
+struct Steady {
+    planned: f64,
+    factor: f64,
+    length: f64,
+    certain: f64,
+}
+
+impl OverrideCheck {
+    pub fn new(schedule: &[(f64, f64)], trovrst_s: f64, sample_time_s: f64) -> Self {
+        let schedule = if schedule.is_empty() { vec![(0.0, 1.0)] } else { schedule.to_vec() };
+        OverrideCheck {
+            schedule,
+            trovrst_s,
+            sample_time_s,
+            step: 0,
+            settled_by_s: 0.0,
+            violated: false,
+            changed_max: 0.0,
+            planned: [Steady::default(); 4],
+            ratio_error: None,
+        }
+    }
+
+    #[inline]
+    pub fn add(&mut self, time_s: f64, interval: &Interval, planned: f64, setpoint_deviation: f64) {
+        while let Some(&(at, factor)) = self.schedule.get(self.step + 1).filter(|&&(at, _)| at <= time_s) {
+            let change = (factor - self.schedule[self.step].1).abs();
+            // changes that follow faster than the ramp add up
+            let from = self.settled_by_s.max(at);
+            self.settled_by_s = from + change * self.trovrst_s + LATENCY_SAMPLES * self.sample_time_s;
+            self.step += 1;
+        }
+        // before the first motion the factor may still be on its way
+        if interval.length > 0.0 && time_s > self.settled_by_s {
+            // a rapid runs at no more than the rapid override, and the feed override returns after it (design D30)
+            let wanted = self.schedule[self.step].1;
+            let fits = interval.factor >= wanted.min(1.0) - SAME_FACTOR && interval.factor <= wanted + SAME_FACTOR;
+            self.violated |= !fits;
+        }
+        if interval.factor != 1.0 {
+            self.changed_max = self.changed_max.max(setpoint_deviation);
+        }
+        self.planned.rotate_left(1);
+        let (length, certain) = (interval.length, interval.certain);
+        self.planned[3] = Steady { planned, factor: interval.factor, length, certain };
+        self.compare_speeds();
+    }
+
+    /// Judges the second last interval, when planned speed changes evenly all around it: then its mean is known.
+    #[inline]
+    fn compare_speeds(&mut self) {
+        let [a, b, c, d] = self.planned;
+        let mean = 0.5 * (b.planned + c.planned);
+        let bend = (a.planned - 2.0 * b.planned + c.planned).abs() + (b.planned - 2.0 * c.planned + d.planned).abs();
+        let settled = a.factor == b.factor && b.factor == c.factor && c.factor == d.factor && c.factor > 0.0;
+        // at a corner the foot runs further than the set point; at a reversal it is ambiguous
+        let straight = c.length - c.certain <= 1e-3 * c.length;
+        if mean > 0.0 && a.planned > 0.0 && d.planned > 0.0 && bend <= 1e-7 * mean && settled && straight {
+            let error = (c.length / (c.factor * self.sample_time_s * mean) - 1.0).abs();
+            self.ratio_error = Some(self.ratio_error.unwrap_or(0.0).max(error));
+        }
+    }
+
+    pub fn summary(&self, merged_max_mm: f64) -> OverrideSummary {
+        OverrideSummary {
+            path_change_mm: (self.changed_max - merged_max_mm).max(0.0),
+            velocity_ratio_error_pct: self.ratio_error.map(|e| 100.0 * e),
+            settling_ok: !self.violated,
+        }
+    }
+}

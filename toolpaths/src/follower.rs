@@ -1,0 +1,262 @@
+//! The foot point of a moving sample on the path: it moves forward only and never jumps to a neighbouring pass.
+//!
+//! Searched is a window ahead of the present foot, as long as the programmed velocities allow an advance in one
+//! sample, twice over, plus a little. Four rules, in this order:
+//! 1. the nearest point of the window; where several are equally near, the earliest;
+//! 2. a sample that is off the path by d may round a corner: the window grows by a few d;
+//! 3. a foot at the end of its window goes on while the distance falls (a lag being made up);
+//! 4. a foot that stands although the sample moves away is stuck before a reversal or after a fault: the window
+//!    opens up to the cap, and the first point ahead that is nearer is taken.
+//!
+//! The cap is where the foot can be at most. For set points it is the time that the foot has been stuck, at
+//! programmed velocity; for the actual path, which lags, it is the set point's foot.
+
+use crate::path::Path;
+use crate::segment::Nearest;
+
+/// Distance by which windows exceed what velocities allow: corners of merged blocks, rounding.
+pub const SLACK_MM: f64 = 0.02;
+/// Advance allowed per sample, in multiples of what the programmed velocity gives.
+pub const ADVANCE: f64 = 2.0;
+/// Window growth in multiples of the distance from the path: less than a full turn of a circle even at its centre.
+const CORNER_REACH: f64 = 4.0;
+/// Squared distances closer than this are ties (1e-10 mm).
+const TIE_D2: f64 = 1e-20;
+/// A foot this close to the end of its window is at the end.
+const ARRIVED_MM: f64 = 1e-9;
+
+/// A place on the path: segment and arc length from its start.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Place {
+    pub segment: usize,
+    pub t: f64,
+}
+
+/// A sample in the metric of the segment at hand; effective radii may change along the path.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<const N: usize> {
+    raw: [f64; N],
+    scaled: [f64; N],
+    row: u16,
+}
+
+impl<const N: usize> Sample<N> {
+    /// `row` of a trace in axis units, padded with zeros.
+    #[inline]
+    pub fn new(path: &Path, row: &[f64], scale_row: u16) -> Self {
+        let raw: [f64; N] = match row.first_chunk::<N>() {
+            Some(full) => *full,
+            None => std::array::from_fn(|a| row.get(a).copied().unwrap_or(0.0)),
+        };
+        let mut sample = Sample { raw, scaled: raw, row: scale_row };
+        sample.rescale(path, scale_row);
+        sample
+    }
+    #[inline]
+    fn rescale(&mut self, path: &Path, row: u16) {
+        let scale = &path.scales[usize::from(row) * N..usize::from(row) * N + N];
+        self.scaled = std::array::from_fn(|a| self.raw[a] * scale[a]);
+        self.row = row;
+    }
+    #[inline]
+    pub fn in_row(&mut self, path: &Path, row: u16) -> &[f64; N] {
+        if row != self.row {
+            self.rescale(path, row);
+        }
+        &self.scaled
+    }
+}
+
+/// Follows one trace along the path.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Follower {
+    pub foot: Place,
+    /// Squared distance of the last sample from the path.
+    pub d2: f64,
+    /// Time for which the foot has been stuck, s (profile time).
+    stuck_s: f64,
+}
+
+impl Follower {
+    /// Path length at the foot.
+    #[inline]
+    pub fn s(&self, path: &Path) -> f64 {
+        path.s_of(self.foot)
+    }
+
+    /// Moves the foot to the next sample. `time_s`: profile time since the last one. `cap_s`: path length that the
+    /// foot cannot exceed, infinite if only time bounds it.
+    #[inline]
+    pub fn step<const N: usize>(&mut self, path: &Path, x: &mut Sample<N>, time_s: f64, cap_s: f64) {
+        let reach = (path.reach(self.foot, ADVANCE * time_s) + SLACK_MM).min(cap_s);
+        let before = self.foot;
+        let last_d2 = self.d2;
+        let found = nearest_until(path, x, before, reach);
+        (self.foot, self.d2) = found;
+        if self.d2 > TIE_D2 {
+            self.look_further(path, x, before, last_d2, reach, time_s, cap_s);
+        } else {
+            self.stuck_s = 0.0;
+        }
+    }
+
+    /// Rules 2 to 4, for samples off the path.
+    #[inline(never)]
+    #[allow(clippy::too_many_arguments)]
+    fn look_further<const N: usize>(
+        &mut self,
+        path: &Path,
+        x: &mut Sample<N>,
+        before: Place,
+        last_d2: f64,
+        reach: f64,
+        time_s: f64,
+        cap_s: f64,
+    ) {
+        let cap = cap_s.min(path.reach(before, ADVANCE * time_s + self.stuck_s) + SLACK_MM);
+        let cap = if cap_s.is_finite() { cap_s } else { cap };
+        let corner = (path.s_of(before) + CORNER_REACH * self.d2.sqrt()).max(reach).min(cap);
+        if corner > reach {
+            let from = path.place_near(self.foot, reach);
+            let (foot, d2) = nearest_until(path, x, from, corner);
+            if d2 < self.d2 - TIE_D2 {
+                (self.foot, self.d2) = (foot, d2);
+            }
+        }
+        if path.s_of(self.foot) >= corner - ARRIVED_MM && corner < cap {
+            self.descend(path, x, cap);
+        }
+        let stands = self.foot == before;
+        let leaves = self.d2 > last_d2 * (1.0 + 1e-9) + TIE_D2;
+        if stands && (leaves || self.stuck_s > 0.0) {
+            self.stuck_s += time_s;
+            self.hop(path, x, cap);
+        } else if path.s_of(self.foot) >= cap - ARRIVED_MM && !cap_s.is_finite() {
+            self.stuck_s += time_s;
+        } else {
+            self.stuck_s = 0.0;
+        }
+    }
+
+    /// Goes on from the foot while the distance falls.
+    fn descend<const N: usize>(&mut self, path: &Path, x: &mut Sample<N>, cap: f64) {
+        let mut from = self.foot;
+        while let Some(piece) = path.piece_at::<N>(from, cap) {
+            let near = path.nearest_in(x, piece);
+            if near.d2 > self.d2 - TIE_D2 && near.t > piece.a {
+                break;
+            }
+            if near.d2 <= self.d2 {
+                (self.foot, self.d2) = (Place { segment: piece.segment, t: near.t }, near.d2);
+            }
+            if near.t < piece.b {
+                break;
+            }
+            from = Place { segment: piece.segment, t: piece.b };
+        }
+    }
+
+    /// Takes the first place ahead that is nearer than the present foot.
+    fn hop<const N: usize>(&mut self, path: &Path, x: &mut Sample<N>, cap: f64) {
+        let mut from = self.foot;
+        let enough = self.d2 * (1.0 - 1e-6) - TIE_D2;
+        while let Some(piece) = path.piece_at::<N>(from, cap) {
+            let near = path.nearest_in(x, piece);
+            if near.d2 < enough {
+                (self.foot, self.d2) = (Place { segment: piece.segment, t: near.t }, near.d2);
+                self.stuck_s = 0.0;
+                return self.descend(path, x, cap);
+            }
+            from = Place { segment: piece.segment, t: piece.b };
+        }
+    }
+}
+
+/// Part of a segment on which the distance has one minimum.
+#[derive(Clone, Copy)]
+pub(crate) struct Piece {
+    segment: usize,
+    a: f64,
+    b: f64,
+}
+
+/// The nearest place from `from` to path length `to`, ties earliest, and its squared distance.
+#[inline]
+fn nearest_until<const N: usize>(path: &Path, x: &mut Sample<N>, from: Place, to: f64) -> (Place, f64) {
+    let Some(first) = path.piece_at::<N>(from, to) else {
+        return (from, path.nearest_in(x, Piece { segment: from.segment, a: from.t, b: from.t }).d2);
+    };
+    let near = path.nearest_in(x, first);
+    let mut best = (Place { segment: first.segment, t: near.t }, near.d2);
+    let mut last = first;
+    while best.1 > TIE_D2 {
+        let Some(piece) = path.piece_at::<N>(Place { segment: last.segment, t: last.b }, to) else { break };
+        let near = path.nearest_in(x, piece);
+        if near.d2 < best.1 - TIE_D2 {
+            best = (Place { segment: piece.segment, t: near.t }, near.d2);
+        }
+        last = piece;
+    }
+    best
+}
+
+impl Path {
+    #[inline]
+    pub(crate) fn s_of(&self, place: Place) -> f64 {
+        self.segments.get(place.segment).map_or(0.0, |s| s.s0 + place.t)
+    }
+
+    /// Signed distance of a sample from its foot in the plane; see [`Shape::left_of`](crate::segment::Shape).
+    #[inline]
+    pub(crate) fn left_of<const N: usize>(&self, foot: Place, x: &mut Sample<N>) -> f64 {
+        let segment = &self.segments[foot.segment];
+        self.shape::<N>(foot.segment).left_of(segment.plane_scale, x.in_row(self, segment.scale), foot.t)
+    }
+
+    /// Path length that programmed velocity reaches from a place in a time.
+    #[inline]
+    pub(crate) fn reach(&self, from: Place, time_s: f64) -> f64 {
+        let (mut left, mut t) = (time_s, from.t);
+        for segment in &self.segments[from.segment..] {
+            let rest = (segment.length - t) * segment.slowness;
+            if rest >= left {
+                return segment.s0 + t + left * segment.speed;
+            }
+            left -= rest;
+            t = 0.0;
+        }
+        self.length_mm()
+    }
+
+    /// The place at path length `s`, which lies at or after `from`.
+    fn place_near(&self, from: Place, s: f64) -> Place {
+        let mut segment = from.segment;
+        while segment + 1 < self.segments.len() && self.segments[segment].s0 + self.segments[segment].length < s {
+            segment += 1;
+        }
+        let t = (s - self.segments[segment].s0).clamp(0.0, self.segments[segment].length);
+        if segment == from.segment { Place { segment, t: t.max(from.t) } } else { Place { segment, t } }
+    }
+
+    /// The next piece from a place on, not beyond path length `to`; None when there is nothing left.
+    #[inline]
+    fn piece_at<const N: usize>(&self, from: Place, to: f64) -> Option<Piece> {
+        let mut at = from;
+        if at.t >= self.segments[at.segment].length {
+            at = Place { segment: at.segment + 1, t: 0.0 };
+        }
+        let segment = self.segments.get(at.segment)?;
+        let end = (to - segment.s0).min(segment.length);
+        if end <= at.t {
+            return None;
+        }
+        let b = end.min(at.t + self.shape::<N>(at.segment).piece());
+        Some(Piece { segment: at.segment, a: at.t, b })
+    }
+
+    #[inline]
+    fn nearest_in<const N: usize>(&self, x: &mut Sample<N>, piece: Piece) -> Nearest {
+        let row = self.segments[piece.segment].scale;
+        self.shape::<N>(piece.segment).nearest(x.in_row(self, row), piece.a, piece.b)
+    }
+}

@@ -1,0 +1,383 @@
+//! The path as programmed: segments in the metric of design D7, in execution order, before merging (design D20).
+
+use crate::segment::{Circle, LINE, Segment, Shape};
+use crate::sequence::{MAX_AXES, PathError, SequenceView};
+
+/// One programmed block: a motion command, or one of the blocks that a merged line replaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    /// 1-based source line.
+    pub line: u32,
+    /// Motion command that executes it, counted from 1.
+    pub entry: u32,
+    /// Path length at its start, and its own, mm.
+    pub s0: f64,
+    pub length: f64,
+    /// Programmed path velocity, mm/s.
+    pub vl: f64,
+    pub rapid: bool,
+}
+
+/// What merging short blocks did to the path (design D6).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Merged {
+    /// Blocks that are no motion command of their own any more.
+    pub blocks: u64,
+    /// Largest distance of a skipped end point from the line that replaces it.
+    pub max_mm: f64,
+}
+
+/// The path as a polyline in axis units, for plots: vertex, source line, rapid and path length, one row per vertex.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Polyline {
+    /// (n, axes)
+    pub points: Vec<f64>,
+    /// Source line of the piece that ends at the vertex.
+    pub lines: Vec<u32>,
+    pub rapid: Vec<bool>,
+    pub s_mm: Vec<f64>,
+}
+
+/// Programmed geometry. Immutable once built; shared by trackers.
+#[derive(Clone, Debug)]
+pub struct Path {
+    pub(crate) axes: usize,
+    /// Columns per point: `axes` padded to a width that the inner loops are compiled for.
+    pub(crate) width: usize,
+    pub(crate) segments: Vec<Segment>,
+    starts: Vec<f64>,
+    slopes: Vec<f64>,
+    pub(crate) circles: Vec<Circle>,
+    /// (rows, width): from axis units to mm; 0 in padding columns.
+    pub(crate) scales: Vec<f64>,
+    blocks: Vec<Block>,
+    start: Vec<f64>,
+    merged: Merged,
+    length: f64,
+    /// Largest distance between the end of an arc by centre and angle, and its target.
+    pub arc_end_error_mm: f64,
+}
+
+/// Widths that the inner loops are compiled for.
+pub(crate) const WIDTHS: [usize; 4] = [3, 4, 6, MAX_AXES];
+
+impl Path {
+    /// Builds the geometry. Errors name the motion command and its source line.
+    pub fn new(sequence: SequenceView) -> Result<Path, PathError> {
+        sequence.check()?;
+        let axes = sequence.axes;
+        let width = *WIDTHS.iter().find(|&&w| w >= axes).expect("checked: at most 18 axes");
+        let mut path = Path {
+            axes,
+            width,
+            segments: Vec::with_capacity(sequence.len()),
+            starts: Vec::with_capacity(sequence.len() * width),
+            slopes: Vec::with_capacity(sequence.len() * width),
+            circles: Vec::new(),
+            scales: scales(&sequence, width),
+            blocks: Vec::with_capacity(sequence.len()),
+            start: sequence.start.to_vec(),
+            merged: Merged::default(),
+            length: 0.0,
+            arc_end_error_mm: 0.0,
+        };
+        let mut from = padded(sequence.start, width);
+        for i in 0..sequence.len() {
+            let target = padded(&sequence.target[i * axes..(i + 1) * axes], width);
+            match sequence.kind[i] {
+                0 => path.push_line(&sequence, i, &from, &target),
+                _ => path.push_circle(&sequence, i, &from, &target)?,
+            }
+            from = target;
+        }
+        if path.segments.is_empty() {
+            path.push_point(&sequence);
+        }
+        Ok(path)
+    }
+
+    /// A program without motion: its path is the start position, its block is none of the program's (entry 0).
+    fn push_point(&mut self, sequence: &SequenceView) {
+        let here = padded(sequence.start, self.width);
+        if self.scales.is_empty() {
+            self.scales = (0..self.width).map(|a| if a < self.axes { 1.0 } else { 0.0 }).collect();
+        }
+        if self.blocks.is_empty() {
+            self.blocks.push(Block { line: 0, entry: 0, s0: 0.0, length: 0.0, vl: 0.0, rapid: true });
+        }
+        self.segments.push(Segment {
+            s0: 0.0,
+            length: 0.0,
+            speed: 1.0,
+            slowness: 1.0,
+            plane_scale: f64::INFINITY,
+            circle: LINE,
+            block: 0,
+            scale: 0,
+        });
+        let start = self.scaled(0, &here);
+        self.starts.extend_from_slice(&start);
+        self.slopes.extend(std::iter::repeat_n(0.0, self.width));
+    }
+
+    /// A line and the blocks it replaces, as programmed.
+    fn push_line(&mut self, sequence: &SequenceView, i: usize, from: &[f64], target: &[f64]) {
+        let (axes, width, row) = (self.axes, self.width, sequence.effradius_of[i]);
+        let mut here = self.scaled(row, from);
+        let end = self.scaled(row, target);
+        let first = sequence.via_first[i] as usize;
+        let chord_start = here.clone();
+        for v in first..first + sequence.via_count[i] as usize {
+            let via = self.scaled(row, &padded(&sequence.via_target[v * axes..(v + 1) * axes], width));
+            let off = distance_to_chord(&chord_start, &end, &via);
+            self.merged.blocks += 1;
+            self.merged.max_mm = self.merged.max_mm.max(off);
+            self.push_block(sequence, i, sequence.via_line[v]);
+            self.push_straight(sequence, i, &here, &via);
+            here = via;
+        }
+        self.push_block(sequence, i, sequence.line[i]);
+        self.push_straight(sequence, i, &here, &end);
+    }
+
+    fn push_straight(&mut self, sequence: &SequenceView, i: usize, from: &[f64], to: &[f64]) {
+        let delta: Vec<f64> = from.iter().zip(to).map(|(f, t)| t - f).collect();
+        let length = norm(&delta);
+        if length > 0.0 {
+            let slope: Vec<f64> = delta.iter().map(|d| d / length).collect();
+            self.push_segment(sequence, i, length, from, &slope, LINE);
+        }
+    }
+
+    fn push_circle(&mut self, sequence: &SequenceView, i: usize, from: &[f64], to: &[f64]) -> Result<(), PathError> {
+        let row = sequence.effradius_of[i];
+        let (here, end) = (self.scaled(row, from), self.scaled(row, to));
+        let (c1, c2) = (usize::from(sequence.c1[i]), usize::from(sequence.c2[i]));
+        let scale = &self.scales[usize::from(row) * self.width..];
+        let center = [sequence.center[2 * i] * scale[c1], sequence.center[2 * i + 1] * scale[c2]];
+        let phi = sequence.phi[i].to_radians();
+        let (dx, dy) = (here[c1] - center[0], here[c2] - center[1]);
+        let radius = dx.hypot(dy);
+        let theta0 = dy.atan2(dx);
+        self.check_arc_end(sequence, i, &end, center, radius, theta0 + phi)?;
+
+        let mut delta: Vec<f64> = here.iter().zip(&end).map(|(f, t)| t - f).collect();
+        delta[c1] = 0.0;
+        delta[c2] = 0.0;
+        let straight = norm(&delta);
+        let length = (radius * phi).hypot(straight);
+        self.push_block(sequence, i, sequence.line[i]);
+        if length > 0.0 {
+            let slope: Vec<f64> = delta.iter().map(|d| d / length).collect();
+            let turns = radius * phi.abs() > 0.0;
+            let number = if turns { self.circles.len() as u32 } else { LINE };
+            if turns {
+                let rate = phi / length;
+                self.circles.push(Circle { c1, c2, center, radius, theta0, rate, helical: straight > 0.0 });
+            }
+            self.push_segment(sequence, i, length, &here, &slope, number);
+        }
+        Ok(())
+    }
+
+    fn check_arc_end(
+        &mut self,
+        sequence: &SequenceView,
+        i: usize,
+        end: &[f64],
+        center: [f64; 2],
+        radius: f64,
+        theta: f64,
+    ) -> Result<(), PathError> {
+        let (c1, c2) = (usize::from(sequence.c1[i]), usize::from(sequence.c2[i]));
+        let (sin, cos) = theta.sin_cos();
+        let off = (center[0] + radius * cos - end[c1]).hypot(center[1] + radius * sin - end[c2]);
+        self.arc_end_error_mm = self.arc_end_error_mm.max(off);
+        // 1e-9 relative is what the translator's centre correction promises (din66025.md section 17)
+        let size = radius + center[0].abs() + center[1].abs();
+        match off <= 1e-6 + 1e-9 * size {
+            true => Ok(()),
+            false => Err(PathError::ArcEnd { command: i + 1, line: sequence.line[i], off_mm: off }),
+        }
+    }
+
+    fn push_block(&mut self, sequence: &SequenceView, i: usize, line: u32) {
+        let (vl, rapid) = (sequence.vl[i], sequence.rapid[i]);
+        self.blocks.push(Block { line, entry: i as u32 + 1, s0: self.length, length: 0.0, vl, rapid });
+    }
+
+    fn push_segment(&mut self, seq: &SequenceView, i: usize, length: f64, from: &[f64], slope: &[f64], circle: u32) {
+        let plane = slope.get(1).map_or(slope[0].abs(), |y| slope[0].hypot(*y));
+        self.segments.push(Segment {
+            s0: self.length,
+            length,
+            speed: seq.vl[i],
+            slowness: 1.0 / seq.vl[i],
+            // below this a line is a move along the third axis, but for rounding
+            plane_scale: if plane > 1e-9 { 1.0 / plane } else { f64::INFINITY },
+            circle,
+            block: self.blocks.len() as u32 - 1,
+            scale: seq.effradius_of[i],
+        });
+        self.starts.extend_from_slice(from);
+        self.slopes.extend_from_slice(slope);
+        self.length += length;
+        if let Some(block) = self.blocks.last_mut() {
+            block.length += length;
+        }
+    }
+
+    fn scaled(&self, row: u16, point: &[f64]) -> Vec<f64> {
+        let scale = &self.scales[usize::from(row) * self.width..];
+        point.iter().zip(scale).map(|(x, k)| x * k).collect()
+    }
+
+    /// Length of the programmed path in the metric of design D7, rapids included.
+    pub fn length_mm(&self) -> f64 {
+        self.length
+    }
+    pub(crate) fn start(&self) -> &[f64] {
+        &self.start
+    }
+    pub fn axes(&self) -> usize {
+        self.axes
+    }
+    /// Programmed blocks in the order of execution.
+    pub fn blocks(&self) -> &[Block] {
+        if self.blocks.first().is_some_and(|b| b.entry == 0) { &[] } else { &self.blocks }
+    }
+    pub(crate) fn block(&self, number: u32) -> &Block {
+        &self.blocks[number as usize]
+    }
+    pub fn merged(&self) -> Merged {
+        self.merged
+    }
+
+    pub(crate) fn shape<const N: usize>(&self, i: usize) -> Shape<'_, N> {
+        let at = i * N;
+        Shape {
+            start: self.starts[at..at + N].try_into().expect("width of the path"),
+            slope: self.slopes[at..at + N].try_into().expect("width of the path"),
+            circle: self.circles.get(self.segments[i].circle as usize),
+        }
+    }
+
+    /// Least and greatest position of every axis on the path, in axis units: (min, max) per axis.
+    pub fn extents(&self) -> Vec<(f64, f64)> {
+        let mut extents: Vec<(f64, f64)> = self.start.iter().map(|&x| (x, x)).collect();
+        let mut grow = |a: usize, x: f64| {
+            extents[a].0 = extents[a].0.min(x);
+            extents[a].1 = extents[a].1.max(x);
+        };
+        for (i, segment) in self.segments.iter().enumerate() {
+            for t in [0.0, segment.length] {
+                self.position(i, t).iter().enumerate().for_each(|(a, &x)| grow(a, x));
+            }
+            let Some(c) = self.circles.get(segment.circle as usize) else { continue };
+            let scale = &self.scales[usize::from(segment.scale) * self.width..];
+            for (axis, centre, quarter) in [(c.c1, c.center[0], 0.0), (c.c2, c.center[1], 1.0)] {
+                let (low, high) = reached(c, segment.length, quarter);
+                if low {
+                    grow(axis, (centre - c.radius) / scale[axis]);
+                }
+                if high {
+                    grow(axis, (centre + c.radius) / scale[axis]);
+                }
+            }
+        }
+        extents
+    }
+
+    /// The path as a polyline whose chords stay within `chord_mm` of it, with at most about `max_points` vertices:
+    /// beyond that the chord error of arcs is doubled, then blocks are thinned out. First vertex: the start.
+    pub fn polyline(&self, chord_mm: f64, max_points: usize) -> Polyline {
+        let mut chord = chord_mm.max(1e-6);
+        let count = |chord: f64| self.segments.iter().map(|s| self.pieces(s, chord)).sum::<usize>();
+        while count(chord) > max_points.max(2) && chord < 1.0 {
+            chord *= 2.0;
+        }
+        let keep_every = count(chord).div_ceil(max_points.max(2)).max(1);
+        let mut line = Polyline::default();
+        line.push(&self.start, self.blocks.first().map_or(0, |b| b.line), true, 0.0);
+        for (i, segment) in self.segments.iter().enumerate() {
+            let block = self.blocks[segment.block as usize];
+            let pieces = self.pieces(segment, chord);
+            // thinning never drops the last point, nor the ends of rapids, which tie the picture together
+            if keep_every > 1 && !block.rapid && i % keep_every != 0 && i + 1 != self.segments.len() {
+                continue;
+            }
+            for k in 1..=pieces {
+                let t = segment.length * k as f64 / pieces as f64;
+                line.push(&self.position(i, t), block.line, block.rapid, segment.s0 + t);
+            }
+        }
+        line
+    }
+
+    fn pieces(&self, segment: &Segment, chord: f64) -> usize {
+        let Some(c) = self.circles.get(segment.circle as usize) else { return 1 };
+        let step = 2.0 * (1.0 - (chord / c.radius).min(1.0)).acos();
+        (segment.length * c.rate.abs() / step.min(1.0)).ceil().clamp(1.0, 1e6) as usize
+    }
+
+    /// Position in axis units at `t` mm from the start of a segment.
+    fn position(&self, i: usize, t: f64) -> Vec<f64> {
+        let (at, segment) = (i * self.width, &self.segments[i]);
+        let mut p: Vec<f64> = (0..self.axes).map(|a| self.starts[at + a] + t * self.slopes[at + a]).collect();
+        if let Some(c) = self.circles.get(segment.circle as usize) {
+            let (sin, cos) = (c.theta0 + t * c.rate).sin_cos();
+            p[c.c1] = c.center[0] + c.radius * cos;
+            p[c.c2] = c.center[1] + c.radius * sin;
+        }
+        let scale = &self.scales[usize::from(segment.scale) * self.width..];
+        p.iter().zip(scale).map(|(x, k)| if *k > 0.0 { x / k } else { 0.0 }).collect()
+    }
+}
+
+impl Polyline {
+    fn push(&mut self, point: &[f64], line: u32, rapid: bool, s_mm: f64) {
+        self.points.extend_from_slice(point);
+        self.lines.push(line);
+        self.rapid.push(rapid);
+        self.s_mm.push(s_mm);
+    }
+}
+
+/// Axis units to mm, per row of effective radii: linear axes (NaN) count in their own unit.
+fn scales(sequence: &SequenceView, width: usize) -> Vec<f64> {
+    let mut scales = Vec::with_capacity(sequence.effradius.len() / sequence.axes * width);
+    for row in sequence.effradius.chunks_exact(sequence.axes) {
+        scales.extend(row.iter().map(|r| if r.is_nan() { 1.0 } else { r.to_radians() }));
+        scales.extend(std::iter::repeat_n(0.0, width - sequence.axes));
+    }
+    scales
+}
+
+fn padded(point: &[f64], width: usize) -> Vec<f64> {
+    let mut padded = point.to_vec();
+    padded.resize(width, 0.0);
+    padded
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn distance_to_chord(from: &[f64], to: &[f64], point: &[f64]) -> f64 {
+    let along: Vec<f64> = from.iter().zip(to).map(|(f, t)| t - f).collect();
+    let off: Vec<f64> = from.iter().zip(point).map(|(f, p)| p - f).collect();
+    let square = along.iter().map(|x| x * x).sum::<f64>();
+    let dot: f64 = along.iter().zip(&off).map(|(a, o)| a * o).sum();
+    let t = if square > 0.0 { (dot / square).clamp(0.0, 1.0) } else { 0.0 };
+    norm(&along.iter().zip(&off).map(|(a, o)| o - t * a).collect::<Vec<f64>>())
+}
+
+/// Whether an arc passes the least and the greatest coordinate of its circle in an axis; `quarter` 0 for the
+/// first circle axis, 1 for the second.
+fn reached(c: &Circle, length: f64, quarter: f64) -> (bool, bool) {
+    use std::f64::consts::{FRAC_PI_2, PI, TAU};
+    let (from, to) = (c.theta0, c.theta0 + length * c.rate);
+    let (from, to) = (from.min(to), from.max(to));
+    let passes = |angle: f64| from + (angle - from).rem_euclid(TAU) <= to;
+    (passes(quarter * FRAC_PI_2 + PI), passes(quarter * FRAC_PI_2))
+}

@@ -1,0 +1,356 @@
+//! Walks set points and load-side positions along the programmed path, chunk by chunk, in bounded memory.
+
+use std::sync::Arc;
+
+use crate::blocks::BlockStats;
+use crate::deviation::{DeviationSummary, Deviations};
+use crate::feed::{FeedCheck, FeedSummary, Interval, OverrideCheck, OverrideSummary};
+use crate::follower::{ADVANCE, Follower, Place, SLACK_MM, Sample};
+use crate::path::{Merged, Path, WIDTHS};
+use crate::segment::squared_distance;
+use crate::series::{LengthSeries, TimeSeries};
+
+#[derive(Clone, Debug)]
+pub struct TrackerOptions {
+    pub sample_time_s: f64,
+    /// Override schedule: machine seconds, factor. Empty: factor 1 throughout.
+    pub schedule: Vec<(f64, f64)>,
+    /// Time of an override change of 1.0, s (TROVRST).
+    pub trovrst_s: f64,
+    /// Buckets of the reduced curves over path length, and most of those over time.
+    pub buckets: usize,
+}
+
+impl Default for TrackerOptions {
+    fn default() -> Self {
+        TrackerOptions { sample_time_s: 1.28e-3, schedule: Vec::new(), trovrst_s: 0.0, buckets: 4096 }
+    }
+}
+
+/// `n` samples of a run, `axes` values a row, in axis units. Samples follow each other without gap.
+#[derive(Clone, Copy, Debug)]
+pub struct Chunk<'a> {
+    pub first_sample: u64,
+    /// (n, axes): set points, load-side positions, encoder positions.
+    pub dp: &'a [f64],
+    pub load: &'a [f64],
+    pub rp: &'a [f64],
+    /// (n): effective override, nominal path velocity at factor 1.
+    pub factor: &'a [f64],
+    pub v_plan: &'a [f64],
+}
+
+/// Results per sample, as far as the caller gives room for them: n values each, or empty.
+#[derive(Debug, Default)]
+pub struct PerSample<'a> {
+    /// Deviation of the load side and of the set point, mm.
+    pub actual_mm: &'a mut [f32],
+    pub setpoint_mm: &'a mut [f32],
+    /// Signed deviation of the load side in the plane, + = left, NaN without direction in the plane.
+    pub signed_mm: &'a mut [f32],
+    /// Path length at the foot of the load side and of the set point, mm.
+    pub s_actual_mm: &'a mut [f64],
+    pub s_setpoint_mm: &'a mut [f64],
+    /// Number in [`Path::blocks`] of the block that the foot of the load side is on.
+    pub block: &'a mut [u32],
+}
+
+/// Command minus encoder position of one axis, in axis units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FollowingError {
+    pub max: f64,
+    pub rms: f64,
+}
+
+/// The checks of a run (design 3.2).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    pub samples: u64,
+    pub path_length_mm: f64,
+    pub merged: Merged,
+    pub setpoint: DeviationSummary,
+    pub actual: DeviationSummary,
+    /// Per axis of the machine.
+    pub following_error: Vec<FollowingError>,
+    pub feed: FeedSummary,
+    pub override_: OverrideSummary,
+    /// Largest distance along the path by which the load side lags the set point.
+    pub lag_max_mm: f64,
+    /// Path that the set point did not run, mm, and the source line at which it ended.
+    pub missing_mm: f64,
+    pub reached_line: u32,
+    /// The set point reached the end of the path. A run stopped early is measured up to there.
+    pub completed: bool,
+}
+
+/// How far the end of the path may be missed: rounding of stops to counts.
+const END_MM: f64 = 1e-3;
+
+/// Measures a run against a path. Feed chunks in order, then [`Tracker::finish`].
+#[derive(Clone, Debug)]
+pub struct Tracker {
+    path: Arc<Path>,
+    options: TrackerOptions,
+    samples: u64,
+    setpoint: Trace,
+    actual: Trace,
+    /// Override that the lagging load side may still be running at.
+    recent_factor: f64,
+    last_dp: Vec<f64>,
+    feed: FeedCheck,
+    overrides: OverrideCheck,
+    following: Vec<(f64, f64)>,
+    lag_max: f64,
+    blocks: Vec<BlockStats>,
+    pub(crate) over_length: LengthSeries,
+    pub(crate) over_time: TimeSeries,
+    watched: Watched,
+}
+
+#[derive(Clone, Debug)]
+struct Trace {
+    follower: Follower,
+    deviations: Deviations,
+}
+
+/// Largest deviation per piece of a polyline, for the terminal's path plot.
+#[derive(Clone, Debug, Default)]
+struct Watched {
+    s_mm: Vec<f64>,
+    max_mm: Vec<f32>,
+    at: usize,
+}
+
+impl Watched {
+    #[inline]
+    fn add(&mut self, s: f64, deviation: f32) {
+        while self.at + 1 < self.s_mm.len() && s > self.s_mm[self.at] {
+            self.at += 1;
+            self.max_mm[self.at] = 0.0;
+        }
+        if let Some(max) = self.max_mm.get_mut(self.at) {
+            *max = max.max(deviation);
+        }
+    }
+}
+
+/// What the set point did in one interval.
+struct Step {
+    interval: Interval,
+    speed: f64,
+    programmed: f64,
+}
+
+impl Tracker {
+    pub fn new(path: Arc<Path>, options: TrackerOptions) -> Tracker {
+        let trace = Trace { follower: Follower::default(), deviations: Deviations::new() };
+        let blocks = path.segments.last().map_or(0, |s| s.block as usize + 1).max(path.blocks().len());
+        Tracker {
+            samples: 0,
+            setpoint: trace.clone(),
+            actual: trace,
+            recent_factor: 0.0,
+            last_dp: path.start().to_vec(),
+            feed: FeedCheck::default(),
+            overrides: OverrideCheck::new(&options.schedule, options.trovrst_s, options.sample_time_s),
+            following: vec![(0.0, 0.0); path.axes],
+            lag_max: 0.0,
+            blocks: vec![BlockStats::default(); blocks],
+            over_length: LengthSeries::new(path.length_mm(), options.buckets),
+            over_time: TimeSeries::new(path.axes, options.buckets),
+            watched: Watched::default(),
+            path,
+            options,
+        }
+    }
+
+    /// Also collects the largest deviation per piece of a polyline, given by the path length at its vertices.
+    pub fn watch(&mut self, s_mm: &[f64]) {
+        self.watched = Watched { s_mm: s_mm.to_vec(), max_mm: vec![f32::NAN; s_mm.len()], at: 0 };
+    }
+
+    /// Largest deviation of the load side on the piece that ends at each vertex of the watched polyline,
+    /// NaN where it was not yet driven; and the vertex being approached.
+    pub fn watched(&self) -> (&[f32], usize) {
+        (&self.watched.max_mm, self.watched.at)
+    }
+
+    /// Measures a chunk. The columns must have matching lengths (rows of `axes` values).
+    pub fn feed(&mut self, chunk: &Chunk, out: &mut PerSample) {
+        let n = chunk.factor.len();
+        let rows = n * self.path.axes;
+        assert!(chunk.dp.len() == rows && chunk.load.len() == rows && chunk.rp.len() == rows, "rows of the chunk");
+        assert!(chunk.v_plan.len() == n, "columns of the chunk");
+        match self.path.width {
+            3 => self.feed_width::<{ WIDTHS[0] }>(chunk, out),
+            4 => self.feed_width::<{ WIDTHS[1] }>(chunk, out),
+            6 => self.feed_width::<{ WIDTHS[2] }>(chunk, out),
+            _ => self.feed_width::<{ WIDTHS[3] }>(chunk, out),
+        }
+    }
+
+    fn feed_width<const N: usize>(&mut self, chunk: &Chunk, out: &mut PerSample) {
+        let path = Arc::clone(&self.path);
+        let axes = path.axes;
+        for k in 0..chunk.factor.len() {
+            let row = k * axes..(k + 1) * axes;
+            let (dp, load, rp) = (&chunk.dp[row.clone()], &chunk.load[row.clone()], &chunk.rp[row]);
+            let sample = chunk.first_sample + k as u64;
+            let step = self.advance_setpoint::<N>(&path, sample, dp, chunk.factor[k]);
+            let (foot, signed) = self.advance_actual::<N>(&path, sample, load, chunk.factor[k]);
+
+            let d2 = self.setpoint.follower.d2;
+            let time_s = (sample + 1) as f64 * self.options.sample_time_s;
+            self.feed.add(&step.interval);
+            self.overrides.add(time_s, &step.interval, chunk.v_plan[k], d2.sqrt());
+            self.add_following(dp, rp);
+
+            let (set_mm, actual_mm) = (d2.sqrt() as f32, self.actual.follower.d2.sqrt() as f32);
+            let (s_set, s_actual) = (self.setpoint.follower.s(&path), path.s_of(foot));
+            self.lag_max = self.lag_max.max(s_set - s_actual);
+            self.over_length.add(s_set, set_mm, s_actual, actual_mm, signed as f32);
+            let curves = [step.speed as f32, step.programmed as f32, chunk.factor[k] as f32, actual_mm];
+            self.over_time.add(curves, dp.iter().zip(rp).map(|(d, r)| (d - r) as f32));
+            self.watched.add(s_actual, actual_mm);
+
+            put(out.actual_mm, k, actual_mm);
+            put(out.setpoint_mm, k, set_mm);
+            put(out.signed_mm, k, signed as f32);
+            put(out.s_actual_mm, k, s_actual);
+            put(out.s_setpoint_mm, k, s_set);
+            put(out.block, k, path.segments[foot.segment].block);
+        }
+        self.samples += chunk.factor.len() as u64;
+    }
+
+    fn advance_setpoint<const N: usize>(&mut self, path: &Path, sample: u64, dp: &[f64], factor: f64) -> Step {
+        let time_s = self.options.sample_time_s;
+        let before = self.setpoint.follower.foot;
+        let row = path.segments[before.segment].scale;
+        let mut x = Sample::<N>::new(path, dp, row);
+        self.setpoint.follower.step(path, &mut x, time_s * factor, f64::INFINITY);
+        let foot = self.setpoint.follower.foot;
+        let segment = &path.segments[foot.segment];
+        let d2 = self.setpoint.follower.d2;
+        let signed = path.left_of::<N>(foot, &mut x);
+        self.setpoint.deviations.add(d2, signed, sample, segment.block, dp);
+        self.blocks[segment.block as usize].setpoint.add(d2);
+
+        let length = path.s_of(foot) - path.s_of(before);
+        let mut certain = length;
+        let mut programmed_s = length * segment.slowness;
+        if foot.segment == before.segment {
+            self.blocks[segment.block as usize].pass(time_s, length, length / time_s);
+        } else {
+            let last = Sample::<N>::new(path, &self.last_dp, segment.scale).in_row(path, segment.scale).to_owned();
+            certain = length.min(squared_distance(&last, x.in_row(path, segment.scale)).sqrt());
+            programmed_s = self.share_interval(path, before, foot, length);
+        }
+        self.last_dp.copy_from_slice(dp);
+        let rapid = path.block(segment.block).rapid;
+        let interval = Interval { time_s, factor, length, programmed_s, certain, rapid };
+        Step { interval, speed: length / time_s, programmed: segment.speed * factor }
+    }
+
+    /// Shares an interval out to the blocks that it crosses; returns the time their programmed velocities need.
+    fn share_interval(&mut self, path: &Path, from: Place, to: Place, length: f64) -> f64 {
+        let time_s = self.options.sample_time_s;
+        let mut programmed_s = 0.0;
+        for i in from.segment..=to.segment {
+            let segment = &path.segments[i];
+            let a = if i == from.segment { from.t } else { 0.0 };
+            let b = if i == to.segment { to.t } else { segment.length };
+            programmed_s += (b - a) * segment.slowness;
+            let share = if length > 0.0 { (b - a) / length } else { 0.0 };
+            self.blocks[segment.block as usize].pass(time_s * share, b - a, length / time_s);
+        }
+        programmed_s
+    }
+
+    /// Returns the foot that was found, which may be ahead of the set point's by an overshoot, and the signed deviation.
+    fn advance_actual<const N: usize>(&mut self, path: &Path, sample: u64, load: &[f64], factor: f64) -> (Place, f64) {
+        let time_s = self.options.sample_time_s;
+        // about a second: far longer than an axis lags
+        self.recent_factor = factor.max(self.recent_factor * 0.999);
+        let set_foot = self.setpoint.follower.foot;
+        let cap = path.reach(set_foot, ADVANCE * time_s * factor) + SLACK_MM;
+        let follower = &mut self.actual.follower;
+        let row = path.segments[follower.foot.segment].scale;
+        let mut x = Sample::<N>::new(path, load, row);
+        follower.step(path, &mut x, time_s * self.recent_factor, cap);
+        let foot = follower.foot;
+        let d2 = follower.d2;
+        if path.s_of(foot) > path.s_of(set_foot) {
+            // an overshoot at a stop is given back
+            follower.foot = set_foot;
+        }
+        let signed = path.left_of::<N>(foot, &mut x);
+        let block = path.segments[foot.segment].block;
+        self.actual.deviations.add(d2, signed, sample, block, load);
+        let stats = &mut self.blocks[block as usize];
+        stats.actual.add(d2);
+        stats.add_signed(signed);
+        (foot, signed)
+    }
+
+    #[inline]
+    fn add_following(&mut self, dp: &[f64], rp: &[f64]) {
+        for ((max, squares), (d, r)) in self.following.iter_mut().zip(dp.iter().zip(rp)) {
+            let error = d - r;
+            *max = max.max(error.abs());
+            *squares += error * error;
+        }
+    }
+
+    /// The path that the run is measured against.
+    pub fn path(&self) -> &Arc<Path> {
+        &self.path
+    }
+
+    /// What was measured so far; call it after the last chunk.
+    pub fn finish(&mut self) -> Summary {
+        self.over_time.finish();
+        let path = &self.path;
+        let line_of = |block: u32| path.block(block).line;
+        let foot = self.setpoint.follower.foot;
+        let missing_mm = (path.length_mm() - path.s_of(foot)).max(0.0);
+        let n = self.samples.max(1) as f64;
+        Summary {
+            samples: self.samples,
+            path_length_mm: path.length_mm(),
+            merged: path.merged(),
+            setpoint: self.setpoint.deviations.summary(self.options.sample_time_s, line_of),
+            actual: self.actual.deviations.summary(self.options.sample_time_s, line_of),
+            following_error: self
+                .following
+                .iter()
+                .map(|&(max, sq)| FollowingError { max, rms: (sq / n).sqrt() })
+                .collect(),
+            feed: self.feed.summary(self.options.sample_time_s),
+            override_: self.overrides.summary(path.merged().max_mm),
+            lag_max_mm: self.lag_max,
+            missing_mm,
+            reached_line: line_of(path.segments[foot.segment].block),
+            completed: missing_mm <= END_MM,
+        }
+    }
+
+    /// One row per block of [`Path::blocks`].
+    pub fn blocks(&self) -> &[BlockStats] {
+        &self.blocks[..self.path.blocks().len()]
+    }
+    pub fn over_length(&self) -> &LengthSeries {
+        &self.over_length
+    }
+    /// Complete after [`Tracker::finish`].
+    pub fn over_time(&self) -> &TimeSeries {
+        &self.over_time
+    }
+}
+
+#[inline]
+fn put<T>(column: &mut [T], k: usize, value: T) {
+    if let Some(place) = column.get_mut(k) {
+        *place = value;
+    }
+}
