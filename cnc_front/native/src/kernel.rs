@@ -37,7 +37,7 @@ pub struct Machine {
     pub inner: Arc<machine::Machine>,
 }
 
-type Row = (String, u32, u32, u32, String, String, String);
+pub type Row = (String, u32, u32, u32, String, String, String);
 
 #[pymethods]
 impl Machine {
@@ -129,19 +129,19 @@ impl Machine {
 /// Columns of some samples (see motion_kernel::trace): n samples, a axes.
 #[pyclass(frozen, get_all, module = "cnc_front._native.motion_kernel")]
 pub struct Chunk {
-    first_sample: u64,
+    pub first_sample: u64,
     /// Why the advance ended: "budget", "finished", "acknowledge", "held", "task_error", "fault", "events".
-    stop: &'static str,
+    pub stop: &'static str,
     /// Command of an acknowledge, axis of a fault, task of an error; else 0.
-    stop_value: u32,
-    dp: Py<PyArray2<f64>>,
-    load: Py<PyArray2<f64>>,
-    rp: Py<PyArray2<f64>>,
-    line: Py<PyArray1<u32>>,
-    entry: Py<PyArray1<u32>>,
-    v_plan: Py<PyArray1<f64>>,
-    factor: Py<PyArray1<f64>>,
-    flags: Py<PyArray1<u32>>,
+    pub stop_value: u32,
+    pub dp: Py<PyArray2<f64>>,
+    pub load: Py<PyArray2<f64>>,
+    pub rp: Py<PyArray2<f64>>,
+    pub line: Py<PyArray1<u32>>,
+    pub entry: Py<PyArray1<u32>>,
+    pub v_plan: Py<PyArray1<f64>>,
+    pub factor: Py<PyArray1<f64>>,
+    pub flags: Py<PyArray1<u32>>,
 }
 
 impl Chunk {

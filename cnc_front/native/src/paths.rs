@@ -1,0 +1,282 @@
+//! `cnc_front._native.toolpaths`: the programmed path and the tracker that measures a run against it.
+
+use std::sync::Arc;
+
+use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use toolpaths::{BlockStats, DeviationSummary, MinMax, SequenceView, Summary, TrackerOptions};
+
+use crate::kernel::Chunk;
+
+pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Path>()?;
+    module.add_class::<Tracker>()
+}
+
+/// The path as programmed, before merging.
+#[pyclass(frozen, module = "cnc_front._native.toolpaths")]
+pub struct Path {
+    inner: Arc<toolpaths::Path>,
+}
+
+fn column<'py, T: numpy::Element>(sequence: &Bound<'py, PyDict>, name: &str) -> PyResult<PyReadonlyArray1<'py, T>> {
+    let value = sequence.get_item(name)?.ok_or_else(|| PyValueError::new_err(format!("no column {name}")))?;
+    Ok(value.call_method0("ravel")?.extract::<PyReadonlyArray1<'py, T>>()?)
+}
+
+#[pymethods]
+impl Path {
+    /// From the columns of gcode.Program.sequence().
+    #[new]
+    fn new(py: Python<'_>, sequence: &Bound<'_, PyDict>) -> PyResult<Path> {
+        let start = column::<f64>(sequence, "start")?;
+        let (kind, line, rapid) =
+            (column::<u8>(sequence, "kind")?, column::<u32>(sequence, "line")?, column::<bool>(sequence, "rapid")?);
+        let (target, center) = (column::<f64>(sequence, "target")?, column::<f64>(sequence, "center")?);
+        let (c1, c2) = (column::<u8>(sequence, "c1")?, column::<u8>(sequence, "c2")?);
+        let (phi, vl) = (column::<f64>(sequence, "phi")?, column::<f64>(sequence, "vl")?);
+        let (via_first, via_count) = (column::<u32>(sequence, "via_first")?, column::<u32>(sequence, "via_count")?);
+        let (via_line, via_target) = (column::<u32>(sequence, "via_line")?, column::<f64>(sequence, "via_target")?);
+        let (effradius, effradius_of) =
+            (column::<f64>(sequence, "effradius")?, column::<u16>(sequence, "effradius_of")?);
+        let view = SequenceView {
+            axes: start.len(),
+            start: start.as_slice()?,
+            kind: kind.as_slice()?,
+            line: line.as_slice()?,
+            rapid: rapid.as_slice()?,
+            target: target.as_slice()?,
+            c1: c1.as_slice()?,
+            c2: c2.as_slice()?,
+            center: center.as_slice()?,
+            phi: phi.as_slice()?,
+            vl: vl.as_slice()?,
+            via_first: via_first.as_slice()?,
+            via_count: via_count.as_slice()?,
+            via_line: via_line.as_slice()?,
+            via_target: via_target.as_slice()?,
+            effradius: effradius.as_slice()?,
+            effradius_of: effradius_of.as_slice()?,
+        };
+        let path = py.detach(|| toolpaths::Path::new(view)).map_err(|e| PyValueError::new_err(e.to_string()))?;
+        Ok(Path { inner: Arc::new(path) })
+    }
+    #[getter]
+    fn length_mm(&self) -> f64 {
+        self.inner.length_mm()
+    }
+    /// Blocks that were merged away, and the largest distance of one of their end points from the chord.
+    #[getter]
+    fn merged(&self) -> (u64, f64) {
+        let merged = self.inner.merged();
+        (merged.blocks, merged.max_mm)
+    }
+    /// (min, max) per axis in axis units.
+    #[getter]
+    fn extents(&self) -> Vec<(f64, f64)> {
+        self.inner.extents()
+    }
+    /// Points (n, axes), source line, rapid and path length per vertex; chords within `chord_mm`.
+    fn polyline<'py>(&self, py: Python<'py>, chord_mm: f64, max_points: usize) -> PyResult<Bound<'py, PyDict>> {
+        let line = py.detach(|| self.inner.polyline(chord_mm, max_points));
+        let dict = PyDict::new(py);
+        let n = line.lines.len();
+        dict.set_item("points", line.points.into_pyarray(py).reshape([n, self.inner.axes()])?)?;
+        dict.set_item("lines", line.lines.into_pyarray(py))?;
+        dict.set_item("rapid", line.rapid.into_pyarray(py))?;
+        dict.set_item("s_mm", line.s_mm.into_pyarray(py))?;
+        Ok(dict)
+    }
+    /// Programmed blocks as columns: line, entry, s0_mm, length_mm, vl, rapid.
+    fn blocks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let blocks = self.inner.blocks();
+        let dict = PyDict::new(py);
+        let numbers = |f: fn(&toolpaths::Block) -> f64| blocks.iter().map(f).collect::<Vec<_>>().into_pyarray(py);
+        dict.set_item("line", blocks.iter().map(|b| b.line).collect::<Vec<_>>().into_pyarray(py))?;
+        dict.set_item("entry", blocks.iter().map(|b| b.entry).collect::<Vec<_>>().into_pyarray(py))?;
+        dict.set_item("s0_mm", numbers(|b| b.s0))?;
+        dict.set_item("length_mm", numbers(|b| b.length))?;
+        dict.set_item("vl", numbers(|b| b.vl))?;
+        dict.set_item("rapid", blocks.iter().map(|b| b.rapid).collect::<Vec<_>>().into_pyarray(py))?;
+        Ok(dict)
+    }
+}
+
+/// Measures a run against its path, chunk by chunk.
+#[pyclass(module = "cnc_front._native.toolpaths")]
+pub struct Tracker {
+    inner: toolpaths::Tracker,
+    axes: usize,
+}
+
+#[pymethods]
+impl Tracker {
+    #[new]
+    #[pyo3(signature = (path, *, sample_time_s, schedule=Vec::new(), trovrst_s=0.0, buckets=4096))]
+    fn new(path: &Path, sample_time_s: f64, schedule: Vec<(f64, f64)>, trovrst_s: f64, buckets: usize) -> Tracker {
+        let options = TrackerOptions { sample_time_s, schedule, trovrst_s, buckets };
+        Tracker { inner: toolpaths::Tracker::new(path.inner.clone(), options), axes: path.inner.axes() }
+    }
+
+    /// Collects the largest deviation per piece of a polyline, given by the path length at its vertices.
+    fn watch(&mut self, s_mm: PyReadonlyArray1<'_, f64>) -> PyResult<()> {
+        self.inner.watch(s_mm.as_slice()?);
+        Ok(())
+    }
+    /// Deviation per watched vertex (NaN where not yet driven), and the vertex being approached.
+    fn watched<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<f32>>, usize) {
+        let (values, at) = self.inner.watched();
+        (PyArray1::from_slice(py, values), at)
+    }
+
+    /// Measures a chunk of the controller; returns the deviation of the load side per sample (f32, mm).
+    fn feed<'py>(&mut self, py: Python<'py>, chunk: &Chunk) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let (dp, load, rp) =
+            (chunk.dp.bind(py).readonly(), chunk.load.bind(py).readonly(), chunk.rp.bind(py).readonly());
+        let (factor, v_plan) = (chunk.factor.bind(py).readonly(), chunk.v_plan.bind(py).readonly());
+        self.measure(py, chunk.first_sample, (dp, load, rp), (factor, v_plan))
+    }
+
+    /// As `feed`, from columns of a recording.
+    #[allow(clippy::too_many_arguments)] // one per column
+    fn feed_columns<'py>(
+        &mut self,
+        py: Python<'py>,
+        first_sample: u64,
+        dp: PyReadonlyArray2<'py, f64>,
+        load: PyReadonlyArray2<'py, f64>,
+        rp: PyReadonlyArray2<'py, f64>,
+        factor: PyReadonlyArray1<'py, f64>,
+        v_plan: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        self.measure(py, first_sample, (dp, load, rp), (factor, v_plan))
+    }
+
+    /// What was measured so far; call it once, after the last chunk.
+    fn finish<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let summary = self.inner.finish();
+        summary_dict(py, &summary)
+    }
+
+    /// Running figures for a screen: (deviation now is in `feed`) largest deviation of the load side, mm, and its line.
+    fn blocks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let blocks = self.inner.blocks();
+        let dict = PyDict::new(py);
+        let numbers = |f: fn(&BlockStats) -> f64| blocks.iter().map(f).collect::<Vec<_>>().into_pyarray(py);
+        dict.set_item("time_s", numbers(|b| b.time_s))?;
+        dict.set_item("moving_s", numbers(|b| b.moving_s))?;
+        dict.set_item("speed_min", numbers(|b| f64::from(b.speed_min)))?;
+        dict.set_item("speed_max", numbers(|b| f64::from(b.speed_max)))?;
+        dict.set_item("setpoint_max_mm", numbers(|b| f64::from(b.setpoint.max_mm)))?;
+        dict.set_item("setpoint_rms_mm", numbers(|b| b.setpoint.rms_mm()))?;
+        dict.set_item("actual_max_mm", numbers(|b| f64::from(b.actual.max_mm)))?;
+        dict.set_item("actual_rms_mm", numbers(|b| b.actual.rms_mm()))?;
+        dict.set_item("signed_min_mm", numbers(|b| f64::from(b.signed_min_mm)))?;
+        dict.set_item("signed_max_mm", numbers(|b| f64::from(b.signed_max_mm)))?;
+        Ok(dict)
+    }
+
+    /// Reduced curves: {"over_length": {"bucket_mm", "setpoint_mm": (min, max), ...}, "over_time": {...}}.
+    fn series<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let length = self.inner.over_length();
+        let over_length = PyDict::new(py);
+        over_length.set_item("bucket_mm", length.bucket_mm)?;
+        over_length.set_item("setpoint_mm", pair(py, &length.setpoint_mm))?;
+        over_length.set_item("actual_mm", pair(py, &length.actual_mm))?;
+        over_length.set_item("signed_mm", pair(py, &length.signed_mm))?;
+        let time = self.inner.over_time();
+        let over_time = PyDict::new(py);
+        over_time.set_item("samples_per_bucket", time.samples_per_bucket)?;
+        over_time.set_item("speed", pair(py, &time.speed))?;
+        over_time.set_item("programmed", pair(py, &time.programmed))?;
+        over_time.set_item("factor", pair(py, &time.factor))?;
+        over_time.set_item("deviation_actual_mm", pair(py, &time.deviation_actual_mm))?;
+        over_time.set_item("following", PyList::new(py, time.following.iter().map(|m| pair(py, m)))?)?;
+        let dict = PyDict::new(py);
+        dict.set_item("over_length", over_length)?;
+        dict.set_item("over_time", over_time)?;
+        Ok(dict)
+    }
+}
+
+type Matrices<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>);
+
+impl Tracker {
+    fn measure<'py>(
+        &mut self,
+        py: Python<'py>,
+        first_sample: u64,
+        (dp, load, rp): Matrices<'py>,
+        (factor, v_plan): (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
+    ) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let n = factor.len();
+        let shaped = [&dp, &load, &rp].iter().all(|m| m.shape() == [n, self.axes]) && v_plan.len() == n;
+        if !shaped {
+            return Err(PyValueError::new_err("columns of different length"));
+        }
+        let chunk = toolpaths::Chunk {
+            first_sample,
+            dp: dp.as_slice()?,
+            load: load.as_slice()?,
+            rp: rp.as_slice()?,
+            factor: factor.as_slice()?,
+            v_plan: v_plan.as_slice()?,
+        };
+        let mut actual = vec![0.0_f32; n];
+        let tracker = &mut self.inner;
+        py.detach(|| {
+            let mut out = toolpaths::PerSample { actual_mm: &mut actual, ..Default::default() };
+            tracker.feed(&chunk, &mut out);
+        });
+        Ok(actual.into_pyarray(py))
+    }
+}
+
+type Pair<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f32>>);
+
+fn pair<'py>(py: Python<'py>, range: &MinMax) -> Pair<'py> {
+    (PyArray1::from_slice(py, &range.min), PyArray1::from_slice(py, &range.max))
+}
+
+fn deviation_dict<'py>(py: Python<'py>, d: &DeviationSummary) -> PyResult<Bound<'py, PyDict>> {
+    let worst = PyDict::new(py);
+    worst.set_item("line", d.worst.line)?;
+    worst.set_item("t_s", d.worst.t_s)?;
+    worst.set_item("position", d.worst.position.clone())?;
+    let dict = PyDict::new(py);
+    dict.set_item("max_mm", d.max_mm)?;
+    dict.set_item("rms_mm", d.rms_mm)?;
+    dict.set_item("mean_mm", d.mean_mm)?;
+    dict.set_item("p95_mm", d.p95_mm)?;
+    dict.set_item("p99_mm", d.p99_mm)?;
+    dict.set_item("p997_mm", d.p997_mm)?;
+    dict.set_item("left_mm", d.left_mm)?;
+    dict.set_item("right_mm", d.right_mm)?;
+    dict.set_item("worst", worst)?;
+    Ok(dict)
+}
+
+fn summary_dict<'py>(py: Python<'py>, s: &Summary) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("samples", s.samples)?;
+    dict.set_item("path_length_mm", s.path_length_mm)?;
+    dict.set_item("merged", (s.merged.blocks, s.merged.max_mm))?;
+    dict.set_item("setpoint", deviation_dict(py, &s.setpoint)?)?;
+    dict.set_item("actual", deviation_dict(py, &s.actual)?)?;
+    dict.set_item("following_error", s.following_error.iter().map(|f| (f.max, f.rms)).collect::<Vec<_>>())?;
+    dict.set_item("programmed_reached_pct", s.feed.programmed_reached_pct)?;
+    dict.set_item("max_over_pct", s.feed.max_over_pct)?;
+    dict.set_item("feed_s", s.feed.feed_s)?;
+    dict.set_item("rapid_s", s.feed.rapid_s)?;
+    dict.set_item("standstill_s", s.feed.standstill_s)?;
+    dict.set_item("path_change_mm", s.override_.path_change_mm)?;
+    dict.set_item("velocity_ratio_error_pct", s.override_.velocity_ratio_error_pct)?;
+    dict.set_item("settling_ok", s.override_.settling_ok)?;
+    dict.set_item("lag_max_mm", s.lag_max_mm)?;
+    dict.set_item("missing_mm", s.missing_mm)?;
+    dict.set_item("reached_line", s.reached_line)?;
+    dict.set_item("completed", s.completed)?;
+    Ok(dict)
+}
