@@ -130,6 +130,6 @@ class Engine(Protocol):
 
     def snapshot(self) -> Snapshot: ...
     def new_deviation(self, since: int) -> tuple[int, NDArray[np.float32]]:
-        """Deviation (mm) per path-plot vertex driven since index `since`, NaN where not yet driven; and the new index."""
+        """Deviation (mm) per path-plot vertex driven since index `since` (NaN: not yet driven), and the new index."""
 
     def close(self) -> None: ...

@@ -25,7 +25,7 @@ def module_of(claim: Claim, root: Path) -> str:
 
 
 def results_of(claim: Claim, tests: list[dict[str, str]]) -> list[dict[str, str]]:
-    """The results that belong to a claim: same binary and function; the module of its file decides between namesakes."""
+    """The results that belong to a claim: same binary and function; its module decides between namesakes."""
     named = [test for test in tests if test["name"].split("::")[-1] == claim.function]
     own = [test for test in named if Path(test["root"]) == claim.file]
     near = own or [test for test in named if Path(test["root"]).parent in claim.file.parents]
