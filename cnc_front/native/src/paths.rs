@@ -23,7 +23,7 @@ pub struct Path {
 
 fn column<'py, T: numpy::Element>(sequence: &Bound<'py, PyDict>, name: &str) -> PyResult<PyReadonlyArray1<'py, T>> {
     let value = sequence.get_item(name)?.ok_or_else(|| PyValueError::new_err(format!("no column {name}")))?;
-    Ok(value.call_method0("ravel")?.extract::<PyReadonlyArray1<'py, T>>()?)
+    value.call_method0("ravel")?.extract::<PyReadonlyArray1<'py, T>>()
 }
 
 #[pymethods]
