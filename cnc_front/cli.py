@@ -1,0 +1,137 @@
+"""The command line: options, help, exit codes. What a command does stands in cnc_front.commands."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+
+from cnc_front.errors import CompileError, Exit, UsageError
+
+VERSION = "0.1.0"
+
+EXAMPLES = """examples:
+  cnc-front run part.nc                          dry-run, verdict on stdout
+  cnc-front run part.nc --report out --json      with HTML report, result as JSON
+  cnc-front check *.nc                           compile only, name every problem
+  cnc-front translate part.nc                    the spooled command sequence
+  cnc-front tui part.nc                          operator's terminal
+exit codes: 0 done; 1 a check failed; 2 bad input; 3 stopped by fault or time limit; 130 interrupted
+"""
+
+
+class Parser(argparse.ArgumentParser):
+    """Reports wrong usage in one line and exit code 2."""
+
+    def error(self, message: str) -> None:  # type: ignore[override]  # argparse says NoReturn; so does the raise
+        raise UsageError(f"{message} (see {self.prog} --help)")
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 < value < 1e9:
+        raise argparse.ArgumentTypeError(f"'{text}' is no positive number of seconds")
+    return value
+
+
+def _millimetres(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 < value < 1e6:
+        raise argparse.ArgumentTypeError(f"'{text}' is no positive length in mm")
+    return value
+
+
+def _level(text: str) -> int:
+    if text not in {str(n) for n in range(1, 10)}:
+        raise argparse.ArgumentTypeError(f"block delete level '{text}' is not 1 to 9")
+    return int(text)
+
+
+def build_parser() -> Parser:
+    """All commands and options of design 3.1."""
+    common = Parser(add_help=False)
+    common.add_argument("--lang", choices=("en", "de"), help="language of messages (default: LANG)")
+    common.add_argument("-q", "--quiet", action="store_true", help="no progress and no warnings on stderr")
+    compiling = Parser(add_help=False, parents=[common])
+    compiling.add_argument("--machine", metavar="FILE", help="machine file (default: machine.toml beside the job)")
+    compiling.add_argument("--profile", choices=("din", "fanuc", "linuxcnc", "lathe"), help="dialect of the program")
+    compiling.add_argument("--language", choices=("din66025", "sympas", "autocode"), help="language of the job")
+    compiling.add_argument("--optional-stop", action="store_true", help="M01 stops")
+    compiling.add_argument("--skip", metavar="N", type=_level, action="append", default=[], help="skip blocks /N")
+
+    parser = Parser(
+        prog="cnc-front",
+        description="Dry-run part programs on an emulated APCI-8001/8008 and see how true the machine stays to the path.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"cnc-front {VERSION}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
+
+    run = commands.add_parser("run", parents=[compiling], help="dry-run a job and judge it")
+    run.add_argument("job", metavar="JOB")
+    run.add_argument("--override", metavar="SCHEDULE", default="1", help="0.5 or 0:1.0,2.5:0.5 (seconds:factor)")
+    run.add_argument("--record", metavar="F.mcap", help="write a recording")
+    run.add_argument("--report", metavar="DIR", help="write a report")
+    run.add_argument("--tolerance", metavar="MM", type=_millimetres, help="limit of the contour deviation")
+    run.add_argument("--max-time", metavar="S", type=_seconds, default=86400.0, help="bound on machine and wall time")
+    run.add_argument("--json", action="store_true", help="the result as one JSON object")
+
+    check = commands.add_parser("check", parents=[compiling], help="compile only")
+    check.add_argument("jobs", metavar="JOB", nargs="+")
+    translate = commands.add_parser("translate", parents=[compiling], help="list the spooled commands")
+    translate.add_argument("job", metavar="JOB")
+    translate.add_argument("--json", action="store_true", help="JSON Lines")
+    report = commands.add_parser("report", parents=[common], help="report from a recording")
+    report.add_argument("recording", metavar="RECORDING.mcap")
+    report.add_argument("folder", metavar="DIR")
+    machine = commands.add_parser("machine", parents=[common], help="check or show a machine file")
+    machine.add_argument("action", choices=("check", "show"))
+    machine.add_argument("file", metavar="FILE", nargs="?")
+    tui = commands.add_parser("tui", parents=[compiling], help="operator's terminal")
+    tui.add_argument("job", metavar="JOB", nargs="?")
+    tui.add_argument("--glyphs", choices=("quadrant", "braille", "half", "ascii"), help="characters of the path plot")
+    tui.add_argument("--theme", choices=("dark", "light", "mono"), help="colours")
+    return parser
+
+
+def run_command_line(arguments: Sequence[str]) -> int:
+    """Runs one command. Whatever happens becomes text on stderr and an exit code here, and only here."""
+    if hasattr(signal, "SIGPIPE"):
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `cnc-front ... | head` ends quietly
+    try:
+        options = build_parser().parse_args(arguments)
+        return int(_command(options.command)(options))
+    except UsageError as error:
+        print(f"cnc-front: {error}", file=sys.stderr)
+        return Exit.BAD_INPUT
+    except CompileError as error:
+        for diagnostic in error.diagnostics:
+            print(diagnostic, file=sys.stderr)
+        return Exit.BAD_INPUT
+    except KeyboardInterrupt:
+        print("cnc-front: interrupted", file=sys.stderr)
+        return Exit.INTERRUPTED
+    except OSError as error:
+        print(f"cnc-front: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
+        return Exit.STOPPED
+    except Exception as error:
+        print(f"cnc-front: internal error ({type(error).__name__}: {error}); please report it", file=sys.stderr)
+        if os.environ.get("CNC_FRONT_DEBUG"):
+            traceback.print_exc()
+        return Exit.STOPPED
+
+
+def _command(name: str) -> Callable[[argparse.Namespace], int]:
+    from cnc_front import commands
+
+    return commands.COMMANDS[name]

@@ -1,0 +1,152 @@
+"""What each command does: load, check, run, print. One function a command."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable
+from typing import Any
+
+from cnc_front.diagnostics import Diagnostic
+from cnc_front.errors import CompileError, Exit
+from cnc_front.jobs import (
+    CompiledJob,
+    CompileOptions,
+    JobSource,
+    MachineFile,
+    compile_job,
+    diagnose,
+    load_machine,
+    read_job,
+)
+from cnc_front.messages import language_from, text
+
+
+def _compile_options(options: argparse.Namespace) -> CompileOptions:
+    return CompileOptions(options.profile, options.optional_stop, tuple(options.skip), options.language)
+
+
+def _print_diagnostics(diagnostics: tuple[Diagnostic, ...], options: argparse.Namespace) -> None:
+    for diagnostic in diagnostics:
+        if not (options.quiet and diagnostic.is_warning):
+            print(diagnostic, file=sys.stderr)
+
+
+def _load(path: str, options: argparse.Namespace) -> CompiledJob:
+    machine = load_machine(options.machine, path)
+    job = compile_job(read_job(path, options.language), machine, _compile_options(options))
+    _print_diagnostics(job.warnings, options)
+    return job
+
+
+def run(options: argparse.Namespace) -> int:
+    """`cnc-front run`."""
+    from cnc_front import outputs
+    from cnc_front.run import RunOptions
+    from cnc_front.schedule import parse_schedule
+
+    language = language_from(options.lang)
+    run_options = RunOptions(parse_schedule(options.override), options.max_time)
+    inputs = [options.job, options.machine or ""]
+    record = outputs.check_recording(options.record, inputs) if options.record else None
+    report = outputs.check_report(options.report, inputs) if options.report else None
+    loaded = _Loaded()
+    try:
+        job = loaded.load(options)
+    except CompileError as error:
+        _print_diagnostics(error.diagnostics, options)
+        if options.json:
+            from cnc_front.verdict import failed_object
+
+            args = (options.job, loaded.source, options.machine, loaded.machine, error.diagnostics)
+            print(json.dumps(failed_object(*args), allow_nan=False))
+        return Exit.BAD_INPUT
+    _print_diagnostics(job.warnings, options)
+    from cnc_front.deliver import run_and_write
+
+    result, verdict, run_object = run_and_write(job, run_options, options.tolerance, record, report, language)
+    if options.json:
+        print(json.dumps(run_object, allow_nan=False))
+    else:
+        from cnc_front.text_result import result_text
+
+        print(result_text(result, verdict, run_object, language))
+    return verdict.exit
+
+
+class _Loaded:
+    """What is known of a run even if it does not compile."""
+
+    source: JobSource | None = None
+    machine: MachineFile | None = None
+
+    def load(self, options: argparse.Namespace) -> CompiledJob:
+        self.source = read_job(options.job, options.language)
+        self.machine = load_machine(options.machine, options.job)
+        return compile_job(self.source, self.machine, _compile_options(options))
+
+
+def check(options: argparse.Namespace) -> int:
+    """`cnc-front check`: every diagnostic of every job on stderr, one line a job on stdout."""
+    language = language_from(options.lang)
+    worst = Exit.DONE
+    for path in options.jobs:
+        try:
+            machine = load_machine(options.machine, path)
+            source = read_job(path, options.language)
+            _, diagnostics, _ = diagnose(source, machine, _compile_options(options), check_only=True)
+        except CompileError as error:
+            diagnostics = error.diagnostics
+        _print_diagnostics(diagnostics, options)
+        errors = sum(not d.is_warning for d in diagnostics)
+        counts = {"path": path, "errors": errors, "warnings": len(diagnostics) - errors}
+        print(text("check_bad" if errors else "check_ok", language, **counts))
+        worst = Exit.BAD_INPUT if errors else worst
+    return worst
+
+
+def translate(options: argparse.Namespace) -> int:
+    """`cnc-front translate`."""
+    job = _load(options.job, options)
+    sys.stdout.writelines(line + "\n" for line in job.program.listing(options.json))
+    return Exit.DONE
+
+
+def report(options: argparse.Namespace) -> int:
+    """`cnc-front report`: from a recording, without running again."""
+    from cnc_front import outputs
+    from cnc_front.deliver import report_from_recording
+
+    folder = outputs.check_report(options.folder, [options.recording])
+    report_from_recording(options.recording, folder, language_from(options.lang))
+    return Exit.DONE
+
+
+def machine(options: argparse.Namespace) -> int:
+    """`cnc-front machine check|show`."""
+    loaded = load_machine(options.file)
+    if options.action == "show":
+        sys.stdout.write(loaded.machine.show())
+    else:
+        axes = ", ".join(loaded.machine.axis_names)
+        print(f"{loaded.path or 'built-in machine'}: valid; {loaded.machine.name}, axes {axes}")
+    return Exit.DONE
+
+
+def tui(options: argparse.Namespace) -> int:
+    """`cnc-front tui`: the package tui stands above this one, so it is found by name."""
+    import importlib
+
+    start: Any = importlib.import_module("tui").start
+    return int(start(options, language_from(options.lang)))
+
+
+COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
+    "run": run,
+    "check": check,
+    "translate": translate,
+    "report": report,
+    "machine": machine,
+    "tui": tui,
+}

@@ -1,0 +1,180 @@
+"""The stepping core: one job on the emulated controller, chunk by chunk.
+
+`run` and the terminal's engine drive the same object. It applies the override schedule at exact samples,
+acknowledges what waits for the application (or leaves that to the operator), and turns kernel events into
+alarms and log entries.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from cnc_front._native import motion_kernel as native_kernel
+from cnc_front.jobs import CompiledJob
+from cnc_front.schedule import Schedule
+
+
+class End(StrEnum):
+    """Why a job is over."""
+
+    FINISHED = "finished"
+    FAULT = "fault"
+    TASK_ERROR = "task_error"
+    TIME_LIMIT = "time_limit"
+
+
+@dataclass(frozen=True, slots=True)
+class AlarmEvent:
+    """An error bit that came up: axst of an axis or ErrorReg of the controller."""
+
+    t_s: float
+    axis: str
+    bit: int
+    name: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class HostEvent:
+    """Something the program told the application in step with motion: M00, M06, MSG, T ..."""
+
+    t_s: float
+    line: int
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class LogEntry:
+    """Any kernel event, for the recording."""
+
+    t_s: float
+    kind: str
+    axis: str
+    name: str
+    on: bool
+    line: int
+    value: int
+
+
+#: Status bits that are no fault when they come up.
+HARMLESS = frozenset({"pe", "cl", "ip", "ui", "lpsf", "referenced", "refh"})
+
+
+@dataclass(slots=True)
+class Execution:
+    """A running job. `advance` is the only way time passes."""
+
+    job: CompiledJob
+    schedule: Schedule = ((0.0, 1.0),)
+    max_machine_s: float = math.inf
+    #: run and batch acknowledge M00, M06 ... at the next sample (design D29); the terminal waits for the operator
+    acknowledges: bool = True
+    mcu: native_kernel.Mcu = field(init=False)
+    sample_time_s: float = field(init=False)
+    alarms: list[AlarmEvent] = field(init=False, default_factory=list)
+    host_events: list[HostEvent] = field(init=False, default_factory=list)
+    log: list[LogEntry] = field(init=False, default_factory=list)
+    output: str = field(init=False, default="")
+    end: End | None = field(init=False, default=None)
+    #: number of the runtime error and line of a task that stopped
+    task_error: tuple[int, int] | None = field(init=False, default=None)
+    #: command (ssf number) that waits for the application while `acknowledges` is off
+    waits: int = field(init=False, default=0)
+    _axes: list[str] = field(init=False)
+    _events: list[tuple[int, str, str]] = field(init=False)
+    _pending: deque[tuple[int, float]] = field(init=False)
+
+    def __post_init__(self) -> None:
+        machine = self.job.machine.machine
+        self.sample_time_s = machine.sample_time_us * 1e-6
+        self._axes = list(machine.axis_names)
+        self._events = self.job.program.events()
+        self.mcu = native_kernel.Mcu(machine)
+        self.mcu.prepare_gcode()
+        self.mcu.load(0, self.job.program)
+        self._pending = deque((round(t / self.sample_time_s), f) for t, f in self.schedule)
+        self._take_initial_override(machine.trovrst_s)
+        self.mcu.startcnct(0)
+
+    def _take_initial_override(self, trovrst_s: float) -> None:
+        """The factor at time 0 holds before motion starts, so it does not ramp."""
+        if self._pending and self._pending[0][0] == 0:
+            self.mcu.wrtrovrst(0.0)
+            self._apply(self._pending.popleft()[1])
+            self.mcu.wrtrovrst(trovrst_s)
+
+    def _apply(self, factor: float) -> None:
+        self.mcu.wrtrovr(factor)
+        self.mcu.utrovr(list(range(len(self._axes))))
+
+    @property
+    def machine_time_s(self) -> float:
+        """Emulated time so far."""
+        return self.mcu.samples() * self.sample_time_s
+
+    def set_override(self, factor: float) -> None:
+        """The operator's override, from the next sample on, with TROVRST."""
+        self._pending.clear()
+        self._apply(factor)
+
+    def advance(self, samples: int) -> native_kernel.Chunk | None:
+        """Up to `samples` samples; fewer at override changes and whenever the controller has something to say.
+        None once the job is over."""
+        if self.end is not None:
+            return None
+        chunk = self.mcu.advance(self._until_next_change(samples))
+        self._collect_events()
+        self._react(chunk.stop, chunk.stop_value)
+        return chunk
+
+    def _until_next_change(self, samples: int) -> int:
+        now = self.mcu.samples()
+        while self._pending and self._pending[0][0] <= now:
+            self._apply(self._pending.popleft()[1])
+        if self._pending:
+            samples = min(samples, self._pending[0][0] - now)
+        if math.isfinite(self.max_machine_s):
+            samples = min(samples, max(1, math.ceil(self.max_machine_s / self.sample_time_s) - now))
+        return samples
+
+    def _react(self, stop: str, value: int) -> None:
+        if stop == "finished":
+            self.end = End.FINISHED
+        elif stop == "fault":
+            self.end = End.FAULT
+        elif stop == "task_error":
+            self.end = End.TASK_ERROR
+        elif stop == "acknowledge":
+            self.waits = value
+            if self.acknowledges:
+                self.acknowledge()
+        if self.end is None and self.machine_time_s >= self.max_machine_s:
+            self.end = End.TIME_LIMIT
+
+    def acknowledge(self) -> None:
+        """The operator has done what the program waits for."""
+        self.waits = 0
+        self.mcu.acknowledge()
+
+    def _collect_events(self) -> None:
+        for sample, kind, axis, name, on, line, value in self.mcu.events():
+            t_s = sample * self.sample_time_s
+            who = self._axes[axis] if kind != "task" and 0 <= axis < len(self._axes) else ""
+            if kind == "host":
+                self._host_event(t_s, value)
+                continue
+            self.log.append(LogEntry(t_s, kind, who, name, on, line, value))
+            if kind == "task":
+                self.task_error = (value, line)
+            elif on and (kind == "errorreg" or (kind == "axst" and name not in HARMLESS)):
+                self.alarms.append(AlarmEvent(t_s, who, value, name, line))
+        self.output += self.mcu.take_output(0)
+
+    def _host_event(self, t_s: float, number: int) -> None:
+        if 0 <= number < len(self._events):
+            line, kind, text = self._events[number]
+            self.host_events.append(HostEvent(t_s, line, kind, text))

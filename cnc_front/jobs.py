@@ -1,0 +1,159 @@
+"""Jobs and machine files: finding, reading and compiling them."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import stat
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from cnc_front._native import gcode as native_gcode
+from cnc_front._native import motion_kernel as native_kernel
+from cnc_front.diagnostics import Diagnostic
+from cnc_front.errors import CompileError
+
+#: Largest job that is read (GC106) and largest machine file, bytes.
+JOB_BYTES = 256 << 20
+MACHINE_BYTES = 1 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class MachineFile:
+    """A validated machine and where it came from."""
+
+    path: str
+    text: str
+    sha256: str
+    machine: native_kernel.Machine
+
+
+@dataclass(frozen=True, slots=True)
+class JobSource:
+    """The bytes of a job, read once."""
+
+    path: str
+    data: bytes
+    language: str
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the bytes."""
+        return hashlib.sha256(self.data).hexdigest()
+
+    @property
+    def lines(self) -> int:
+        """Lines of the text, by its line ends."""
+        return len(self.data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").rstrip(b"\n").split(b"\n")) if self.data else 0
+
+    def text(self) -> str:
+        """The text for people: UTF-8, else Windows-1252 as the dialect says."""
+        try:
+            return self.data.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            return self.data.decode("cp1252", errors="replace")
+
+
+@dataclass(frozen=True, slots=True)
+class CompiledJob:
+    """A program that compiled, with its warnings and what the compiler knows about it."""
+
+    source: JobSource
+    machine: MachineFile
+    program: native_gcode.Program
+    warnings: tuple[Diagnostic, ...]
+    facts: dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class CompileOptions:
+    """Switches of the operator that act on compilation."""
+
+    profile: str | None = None
+    optional_stop: bool = False
+    block_delete: Sequence[int] = field(default=())
+    language: str | None = None
+
+
+def read_bytes(path: str, limit: int, id: str) -> bytes:
+    """A regular file of at most `limit` bytes; anything else is a CompileError with one diagnostic."""
+    try:
+        # without O_NONBLOCK a named pipe would wait for a writer for ever
+        handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+    except OSError as error:
+        raise _cannot_read(path, id, error.strerror or str(error)) from None
+    with os.fdopen(handle, "rb") as file:
+        if not stat.S_ISREG(os.fstat(handle).st_mode):
+            raise _cannot_read(path, id, "not a regular file")
+        data = file.read(limit + 1)
+    if len(data) > limit:
+        raise CompileError([Diagnostic(path, 1, 1, 1, "GC106", f"file larger than {limit >> 20} MiB", "split the job")])
+    return data
+
+
+def _cannot_read(path: str, id: str, reason: str) -> CompileError:
+    message = f"file cannot be read: {reason}"
+    return CompileError([Diagnostic(path, 1, 1, 1, id, message, "check the path and its permissions")])
+
+
+def language_of(path: str, data: bytes, asked: str | None) -> str:
+    """Design D28: `.src` is rw_SymPas, the autocode magic is autocode, all else DIN 66025."""
+    if asked is not None:
+        return asked
+    return "sympas" if path.lower().endswith(".src") else "din66025"
+
+
+def read_job(path: str, language: str | None = None) -> JobSource:
+    """The job at `path`; raises CompileError (GC112, GC106)."""
+    data = read_bytes(path, JOB_BYTES, "GC112")
+    return JobSource(path, data, language_of(path, data, language))
+
+
+def load_machine(path: str | None, job: str | None = None) -> MachineFile:
+    """The machine file given, else `machine.toml` beside the job, else the built-in mill."""
+    if path is None and job is not None:
+        beside = Path(job).parent / "machine.toml"
+        path = str(beside) if beside.is_file() else None
+    if path is None:
+        text = native_kernel.Machine.builtin_text()
+        return MachineFile("", text, hashlib.sha256(text.encode()).hexdigest(), native_kernel.Machine.builtin())
+    data = read_bytes(path, MACHINE_BYTES, "MC100")
+    try:
+        machine = native_kernel.Machine.parse(data, path)
+    except native_kernel.MachineError as error:
+        raise CompileError([Diagnostic(*row) for row in error.args[0]]) from None
+    return MachineFile(path, data.decode("utf-8"), hashlib.sha256(data).hexdigest(), machine)
+
+
+def diagnose(source: JobSource, machine: MachineFile, options: CompileOptions, *, check_only: bool) -> tuple[
+    native_gcode.Program | None, tuple[Diagnostic, ...], dict[str, Any]
+]:
+    """Compiles without judging: program (None with errors or `check_only`), all diagnostics, facts."""
+    if source.language != "din66025":
+        raise CompileError([_not_yet(source)])
+    program, rows, facts = native_gcode.compile(
+        source.data,
+        source.path,
+        machine.machine,
+        profile=options.profile,
+        optional_stop=options.optional_stop,
+        block_delete=list(options.block_delete),
+        check_only=check_only,
+        library=str(Path(source.path).parent),
+    )
+    return program, tuple(Diagnostic(*row) for row in rows), facts
+
+
+def compile_job(source: JobSource, machine: MachineFile, options: CompileOptions) -> CompiledJob:
+    """The whole way from text to a program; raises CompileError with every diagnostic if there is an error."""
+    program, diagnostics, facts = diagnose(source, machine, options, check_only=False)
+    if program is None:
+        raise CompileError(diagnostics)
+    return CompiledJob(source, machine, program, diagnostics, facts)
+
+
+def _not_yet(source: JobSource) -> Diagnostic:
+    message = f"{source.language} jobs cannot be run by this version"
+    return Diagnostic(source.path, 1, 1, 1, "CF201", message, "rw_SymPas comes with a later version; DIN 66025 jobs run now")

@@ -1,0 +1,74 @@
+"""Texts that operators see, English and German, in one table. Ids are stable; texts are translated."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+LANGUAGES = ("en", "de")
+
+TEXTS: dict[str, tuple[str, str]] = {
+    "warnings": ("{count} warnings of the compiler", "{count} Warnungen des Übersetzers"),
+    "tolerance": (
+        "contour deviation {max_um:.1f} um > {limit_um:.1f} um at line {line}",
+        "Bahnabweichung {max_um:.1f} um > {limit_um:.1f} um in Zeile {line}",
+    ),
+    "setpoint": (
+        "set point leaves the programmed path by {max_um:.4f} um at line {line}",
+        "Sollwert verlässt die programmierte Bahn um {max_um:.4f} um in Zeile {line}",
+    ),
+    "incomplete": (
+        "the run ended {missing_mm:.3f} mm before the end of the path, at line {line}",
+        "der Lauf endete {missing_mm:.3f} mm vor dem Bahnende, in Zeile {line}",
+    ),
+    "alarm": (
+        "alarm {name} {axis} at {t_s:.3f} s, line {line}",
+        "Störung {name} {axis} bei {t_s:.3f} s, Zeile {line}",
+    ),
+    "fault": (
+        "stopped by fault {name} {axis} at line {line}",
+        "angehalten durch Störung {name} {axis} in Zeile {line}",
+    ),
+    "task_error": ("runtime error {errnum} at line {line}", "Laufzeitfehler {errnum} in Zeile {line}"),
+    "time_limit": (
+        "time limit of {seconds:g} s reached (--max-time)",
+        "Zeitgrenze von {seconds:g} s erreicht (--max-time)",
+    ),
+    "interrupted": ("interrupted", "abgebrochen"),
+    "time": ("machine time", "Maschinenzeit"),
+    "path": ("path", "Bahn"),
+    "deviation": ("contour deviation", "Bahnabweichung"),
+    "setpoint_deviation": ("set point deviation", "Sollwertabweichung"),
+    "following": ("following error", "Schleppfehler"),
+    "feed": ("feed reached", "Vorschub erreicht"),
+    "merged": ("merged blocks", "zusammengefasste Sätze"),
+    "override": ("override", "Vorschubkorrektur"),
+    "at_line": ("at line {line}", "in Zeile {line}"),
+    "limit": ("limit", "Grenze"),
+    "of_time": ("of feed time", "der Vorschubzeit"),
+    "recording": ("recording", "Aufzeichnung"),
+    "report": ("report", "Bericht"),
+    "machine": ("machine", "Maschine"),
+    "builtin": ("built-in", "eingebaut"),
+    "check_ok": ("{path}: no errors, {warnings} warnings", "{path}: keine Fehler, {warnings} Warnungen"),
+    "check_bad": ("{path}: {errors} errors, {warnings} warnings", "{path}: {errors} Fehler, {warnings} Warnungen"),
+    "hint": ("hint", "Hinweis"),
+    "log_event": ("{t_s:10.3f} s  line {line}: {kind} {text}", "{t_s:10.3f} s  Zeile {line}: {kind} {text}"),
+}
+
+
+def text(id: str, language: str, **values: Any) -> str:
+    """The message in that language with its values filled in."""
+    return TEXTS[id][LANGUAGES.index(language)].format(**values)
+
+
+def language_from(asked: str | None, environment: dict[str, str] | None = None) -> str:
+    """`--lang`, else LC_ALL, LC_MESSAGES, LANG; English where nothing says German."""
+    if asked is not None:
+        return asked
+    env = os.environ if environment is None else environment
+    for name in ("LC_ALL", "LC_MESSAGES", "LANG"):
+        value = env.get(name)
+        if value:
+            return "de" if value.lower().startswith("de") else "en"
+    return "en"

@@ -1,0 +1,64 @@
+"""Where results may be written: never over the job, the machine file or a file that is not ours (design 3.1)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from cnc_front.errors import UsageError
+
+#: First bytes of a recording (MCAP), and the mark in every report of ours.
+RECORDING_MAGIC = b"\x89MCAP0\r\n"
+REPORT_MARK = "<!-- cnc-front report -->"
+REPORT_FILE = "report.html"
+
+
+def check_recording(path: str, inputs: Iterable[str]) -> Path:
+    """The path for a recording, or UsageError."""
+    target = Path(path)
+    _refuse_inputs(target, inputs, "--record")
+    _refuse_odd(target, "--record")
+    if target.exists() and not _starts_with(target, RECORDING_MAGIC):
+        raise UsageError(f"--record: {path} exists and is no recording of ours; choose another name")
+    if not target.parent.is_dir():
+        raise UsageError(f"--record: there is no folder {target.parent}")
+    return target
+
+
+def check_report(path: str, inputs: Iterable[str]) -> Path:
+    """The folder for a report, or UsageError: new, empty, or holding an earlier report."""
+    target = Path(path)
+    _refuse_inputs(target, inputs, "--report")
+    if target.exists() and not target.is_dir():
+        raise UsageError(f"--report: {path} is a file; give a folder")
+    if target.is_dir() and any(target.iterdir()) and not _is_report(target / REPORT_FILE):
+        raise UsageError(f"--report: {path} holds files that are no report of ours; choose another folder")
+    return target
+
+
+def _refuse_inputs(target: Path, inputs: Iterable[str], option: str) -> None:
+    for name in inputs:
+        if name and target.exists() and Path(name).exists() and os.path.samefile(target, name):
+            raise UsageError(f"{option}: {target} is an input of this run; choose another name")
+
+
+def _refuse_odd(target: Path, option: str) -> None:
+    if target.exists() and not target.is_file():
+        raise UsageError(f"{option}: {target} is not a regular file")
+
+
+def _starts_with(path: Path, magic: bytes) -> bool:
+    try:
+        with path.open("rb") as file:
+            return file.read(len(magic)) == magic
+    except OSError:
+        return False
+
+
+def _is_report(path: Path) -> bool:
+    try:
+        with path.open(encoding="utf-8", errors="replace") as file:
+            return REPORT_MARK in file.read(200)
+    except OSError:
+        return False

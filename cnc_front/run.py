@@ -1,0 +1,83 @@
+"""A dry run from job to result: the main job of the product, top to bottom."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnc_front._native import motion_kernel as native_kernel
+from cnc_front._native import toolpaths as native_paths
+from cnc_front.execution import End, Execution
+from cnc_front.jobs import CompiledJob
+from cnc_front.schedule import Schedule
+
+#: Samples per chunk: large enough that Python costs nothing, small enough to answer Ctrl+C within a blink.
+CHUNK = 1 << 16
+
+
+class Sink(Protocol):
+    """Takes the samples of a run as they come, e.g. a recording."""
+
+    def write(self, chunk: native_kernel.Chunk, deviation_mm: NDArray[np.float32]) -> None:
+        """One chunk and the deviation of the load side per sample."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunOptions:
+    """What a run may vary beside the job and the machine."""
+
+    schedule: Schedule = ((0.0, 1.0),)
+    max_time_s: float = 86400.0
+    progress: Callable[[float, float], None] | None = None
+
+
+@dataclass(slots=True)
+class RunResult:
+    """What a run measured. `summary` is that of toolpaths.Tracker.finish."""
+
+    job: CompiledJob
+    options: RunOptions
+    execution: Execution
+    summary: dict[str, Any]
+    path: native_paths.Path
+    tracker: native_paths.Tracker
+    wall_time_s: float
+    out_of_time: bool = field(default=False)
+
+    @property
+    def status(self) -> str:
+        """completed, stopped (fault, time limit) or failed (runtime error)."""
+        if self.execution.end is End.FINISHED:
+            return "completed"
+        return "failed" if self.execution.end is End.TASK_ERROR else "stopped"
+
+
+def dry_run(job: CompiledJob, options: RunOptions, sink: Sink | None = None) -> RunResult:
+    """Runs a compiled job to its end, a fault, or the time limit, and measures it against its programmed path."""
+    begun = time.monotonic()
+    path = native_paths.Path(job.program.sequence())
+    execution = Execution(job, options.schedule, options.max_time_s)
+    machine = job.machine.machine
+    tracker = native_paths.Tracker(
+        path,
+        sample_time_s=execution.sample_time_s,
+        schedule=list(options.schedule),
+        trovrst_s=machine.trovrst_s,
+    )
+    while (chunk := execution.advance(CHUNK)) is not None:
+        if len(chunk):
+            deviation = tracker.feed(chunk)
+            if sink is not None:
+                sink.write(chunk, deviation)
+        if time.monotonic() - begun > options.max_time_s:
+            execution.end = execution.end or End.TIME_LIMIT
+        if options.progress is not None:
+            options.progress(execution.machine_time_s, math.nan)
+    wall = time.monotonic() - begun
+    return RunResult(job, options, execution, tracker.finish(), path, tracker, wall)

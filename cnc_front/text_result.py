@@ -1,0 +1,46 @@
+"""The result of a run as text for people: verdict first, then figures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cnc_front.messages import text
+from cnc_front.run import RunResult
+from cnc_front.verdict import Verdict
+
+
+def result_text(result: RunResult, verdict: Verdict, run: dict[str, Any], language: str) -> str:
+    """A dozen lines; numbers always with a decimal point, units always printed."""
+    say = lambda id, **values: text(id, language, **values)  # noqa: E731  short for a table of texts
+    rows = [f"{run['job']['path']}: {verdict.word}"]
+    rows += [f"  {say(reason.id, **reason.values)}" for reason in verdict.reasons[:10]]
+    actual, setpoint, feed = run["deviation"]["actual"], run["deviation"]["setpoint"], run["feed"]
+    line = say("at_line", line=actual["worst"]["line"])
+    machine = run["machine"]
+    rows += [
+        _row(say("machine"), f"{machine['name']} ({machine['path'] or say('builtin')})"),
+        _row(say("time"), f"{run['machine_time_s']:.3f} s ({run['wall_time_s']:.2f} s)"),
+        _row(say("path"), f"{run['path_length_mm']:.3f} mm"),
+        _row(say("deviation"), f"{_um(actual['max_mm'])} {line}, {say('limit')} {verdict.tolerance_mm * 1e3:g} um"),
+        _row(say("setpoint_deviation"), _um(setpoint["max_mm"], 4)),
+    ]
+    if run["merged"]["blocks"]:
+        rows.append(_row(say("merged"), f"{run['merged']['blocks']} ({_um(run['merged']['max_mm'])})"))
+    errors = zip(run["following_error"].items(), result.job.machine.machine.units, strict=True)
+    rows.append(_row(say("following"), "  ".join(f"{name} {e['max']:.4f} {unit}" for (name, e), unit in errors)))
+    if feed["programmed_reached_pct"] is not None:
+        rows.append(_row(say("feed"), f"{feed['programmed_reached_pct']:.1f} % {say('of_time')}"))
+    for key, label in (("recording", "recording"), ("report", "report")):
+        if run["files"][key]:
+            rows.append(_row(say(label), run["files"][key]))
+    if run["output"]:
+        rows += ["", *run["output"]]
+    return "\n".join(rows)
+
+
+def _row(label: str, value: str) -> str:
+    return f"  {label:<22} {value}"
+
+
+def _um(mm: float | None, digits: int = 1) -> str:
+    return "-" if mm is None else f"{mm * 1e3:.{digits}f} um"

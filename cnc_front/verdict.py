@@ -1,0 +1,197 @@
+"""The verdict of a run: PASS, WARN or FAIL with reasons, the exit code, and the object of `run --json`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from cnc_front.diagnostics import Diagnostic
+from cnc_front.errors import Exit
+from cnc_front.execution import End
+from cnc_front.jobs import JobSource, MachineFile
+from cnc_front.run import RunResult
+
+#: How far the set point may leave the path beyond what merging allows, mm (design 3.1).
+SETPOINT_SLACK_MM = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """One thing that made a verdict: a message id of cnc_front.messages and its values."""
+
+    id: str
+    values: dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """PASS, WARN (kept, but there were warnings) or FAIL; why; and what the process returns."""
+
+    word: str
+    reasons: tuple[Reason, ...]
+    exit: Exit
+    tolerance_mm: float
+
+
+def judge(result: RunResult, tolerance_mm: float | None) -> Verdict:
+    """Design 3.1: tolerance on the load side, set point on the path, no alarm, the job ran to its end."""
+    limit = tolerance_mm if tolerance_mm is not None else result.job.machine.machine.tolerance_mm
+    stopped = _why_stopped(result)
+    if stopped is not None:
+        return Verdict("FAIL", (stopped, *_findings(result, limit)), Exit.STOPPED, limit)
+    findings = _findings(result, limit)
+    if findings:
+        return Verdict("FAIL", findings, Exit.CHECK_FAILED, limit)
+    warnings = len(result.job.warnings)
+    if warnings:
+        return Verdict("WARN", (Reason("warnings", {"count": warnings}),), Exit.DONE, limit)
+    return Verdict("PASS", (), Exit.DONE, limit)
+
+
+def _why_stopped(result: RunResult) -> Reason | None:
+    execution = result.execution
+    if execution.end is End.TASK_ERROR:
+        number, line = execution.task_error or (0, 0)
+        return Reason("task_error", {"errnum": number, "line": line})
+    if execution.end is End.FAULT:
+        alarm = execution.alarms[-1] if execution.alarms else None
+        where = {"axis": alarm.axis, "name": alarm.name, "line": alarm.line} if alarm else {}
+        return Reason("fault", {"axis": "", "name": "", "line": 0, **where})
+    if execution.end is End.TIME_LIMIT:
+        return Reason("time_limit", {"seconds": result.options.max_time_s})
+    return None
+
+
+def _findings(result: RunResult, limit: float) -> tuple[Reason, ...]:
+    summary = result.summary
+    actual, setpoint = summary["actual"], summary["setpoint"]
+    merged_mm = summary["merged"][1]
+    reasons = []
+    if actual["max_mm"] > limit:
+        values = {"max_um": actual["max_mm"] * 1e3, "limit_um": limit * 1e3, "line": actual["worst"]["line"]}
+        reasons.append(Reason("tolerance", values))
+    if setpoint["max_mm"] > merged_mm + SETPOINT_SLACK_MM:
+        values = {"max_um": setpoint["max_mm"] * 1e3, "line": setpoint["worst"]["line"]}
+        reasons.append(Reason("setpoint", values))
+    if result.execution.end is End.FINISHED and not summary["completed"]:
+        reasons.append(Reason("incomplete", {"missing_mm": summary["missing_mm"], "line": summary["reached_line"]}))
+    for alarm in result.execution.alarms:
+        reasons.append(Reason("alarm", {"axis": alarm.axis, "name": alarm.name, "line": alarm.line, "t_s": alarm.t_s}))
+    return tuple(reasons)
+
+
+#: Keys of design 3.2 in their order, all unknown.
+EMPTY: dict[str, Any] = dict.fromkeys(
+    (
+        "schema job machine status error machine_time_s wall_time_s samples sample_time_us commands path_length_mm "
+        "merged deviation following_error feed override time_optimal_s alarms error_register output files diagnostics"
+    ).split()
+)
+SCHEMA = "cnc-front/run/1"
+
+
+def job_object(source: JobSource | None, path: str) -> dict[str, Any]:
+    """`job` of design 3.2; what is unknown is null."""
+    if source is None:
+        return {"path": path, "language": None, "sha256": None, "lines": None}
+    return {"path": path, "language": source.language, "sha256": source.sha256, "lines": source.lines}
+
+
+def machine_object(machine: MachineFile | None, path: str | None) -> dict[str, Any]:
+    """`machine` of design 3.2."""
+    if machine is None:
+        return {"path": path, "name": None, "sha256": None}
+    return {"path": machine.path or None, "name": machine.machine.name, "sha256": machine.sha256}
+
+
+def failed_object(
+    path: str,
+    source: JobSource | None,
+    machine_path: str | None,
+    machine: MachineFile | None,
+    diagnostics: tuple[Diagnostic, ...],
+) -> dict[str, Any]:
+    """The object for a job or machine file that does not compile."""
+    first = next((d for d in diagnostics if not d.is_warning), None)
+    error = None
+    if first is not None:
+        error = {"id": first.id, "message": first.message, "line": first.line, "column": first.column}
+        error |= {"task": None, "errnum": None}
+    return EMPTY | {
+        "schema": SCHEMA,
+        "job": job_object(source, path),
+        "machine": machine_object(machine, machine_path),
+        "status": "failed",
+        "error": error,
+        "diagnostics": [d.as_json() for d in diagnostics],
+    }
+
+
+def run_object(result: RunResult, verdict: Verdict, files: dict[str, str | None]) -> dict[str, Any]:
+    """The object of design 3.2 for a job that ran."""
+    summary, execution, job = result.summary, result.execution, result.job
+    names = job.machine.machine.axis_names
+    errors = zip(names, summary["following_error"], strict=True)
+    return EMPTY | {
+        "schema": SCHEMA,
+        "job": job_object(job.source, job.source.path),
+        "machine": machine_object(job.machine, job.machine.path),
+        "status": result.status,
+        "error": _error(result),
+        "machine_time_s": execution.machine_time_s,
+        "wall_time_s": result.wall_time_s,
+        "samples": execution.mcu.samples(),
+        "sample_time_us": job.machine.machine.sample_time_us,
+        "commands": {name: count for name, count in job.program.counts() if count},
+        "path_length_mm": summary["path_length_mm"],
+        "merged": {"blocks": summary["merged"][0], "max_mm": summary["merged"][1]},
+        "deviation": {key: _deviation(summary[key], names) for key in ("setpoint", "actual")},
+        "following_error": {name: {"max": most, "rms": rms} for name, (most, rms) in errors},
+        "feed": {key: summary[key] for key in ("programmed_reached_pct", "max_over_pct")},
+        "override": _override(result),
+        "alarms": [{"t_s": a.t_s, "axis": a.axis, "bit": a.bit, "name": a.name} for a in execution.alarms],
+        "error_register": execution.mcu.status()["errorreg"],
+        "output": execution.output.splitlines(),
+        "files": files,
+        "diagnostics": [d.as_json() for d in job.warnings],
+        "verdict": {
+            "word": verdict.word,
+            "tolerance_mm": verdict.tolerance_mm,
+            "reasons": [{"id": r.id, **r.values} for r in verdict.reasons],
+        },
+    }
+
+
+def _error(result: RunResult) -> dict[str, Any] | None:
+    stopped = _why_stopped(result)
+    if stopped is None:
+        return None
+    from cnc_front.messages import text
+
+    ids = {"task_error": "CF301", "fault": "CF302", "time_limit": "CF303"}
+    failed = stopped.id == "task_error"
+    return {
+        "id": ids[stopped.id],
+        "message": text(stopped.id, "en", **stopped.values),
+        "line": stopped.values.get("line") or None,
+        "column": None,
+        "task": 0 if failed else None,
+        "errnum": stopped.values["errnum"] if failed else None,
+    }
+
+
+def _deviation(values: dict[str, Any], names: list[str]) -> dict[str, Any]:
+    worst = values["worst"]
+    position = dict(zip(names, worst["position"], strict=False))
+    chosen = {key: values[key] for key in ("max_mm", "rms_mm", "p99_mm")}
+    return chosen | {"worst": {"line": worst["line"], "t_s": worst["t_s"], "position": position}}
+
+
+def _override(result: RunResult) -> dict[str, Any]:
+    summary = result.summary
+    return {
+        "schedule": [list(point) for point in result.options.schedule],
+        "path_change_mm": summary["path_change_mm"],
+        "velocity_ratio_error_pct": summary["velocity_ratio_error_pct"],
+        "settling_ok": summary["settling_ok"],
+    }
