@@ -1,1 +1,40 @@
+//! DIN 66025 part programs -> autocode (docs/dialect.md).
+//!
+//! Lines go through one after the other: text -> block ([`parser`]) -> modal state and motions
+//! ([`translate`]) -> merging and junctions ([`sink`]) -> autocode. The crate knows no axis state,
+//! only modal state; dynamics live in the kernel (design D22).
 
+pub mod arc;
+pub mod block;
+mod catalogue;
+pub mod codes;
+mod cycles;
+pub mod diagnostics;
+pub mod dialect;
+pub mod expression;
+pub mod facts;
+mod feed;
+pub mod flow;
+pub mod frame;
+pub mod group;
+pub mod listing;
+pub mod mfunc;
+pub mod modal;
+pub mod number;
+mod offsets;
+pub mod parser;
+pub mod program;
+mod seen;
+pub mod sequence;
+pub mod sink;
+pub mod source;
+mod statements;
+pub mod translate;
+pub mod variables;
+
+pub use diagnostics::{CATALOGUE, Diagnostic, Id};
+pub use dialect::{Library, Limits, Options};
+pub use facts::Facts;
+pub use listing::{listing_json, listing_text};
+pub use program::{Compiled, compile};
+pub use sequence::{SequenceColumns, sequence};

@@ -1,0 +1,111 @@
+//! What a program is read with: options of the caller over the machine file over the profile (section 20).
+
+use std::sync::Arc;
+
+use motion_kernel::machine::{DwellUnit, Machine, Profile};
+
+/// Reads a subprogram file by its name; `None` if there is none.
+pub type Library = Arc<dyn Fn(&str) -> Option<Vec<u8>> + Send + Sync>;
+
+/// How a program is to be compiled. `Options::default()` is what `run` and `check` use.
+#[derive(Clone)]
+pub struct Options {
+    /// Dialect profile; `None`: that of the machine file.
+    pub profile: Option<Profile>,
+    /// M01 stops.
+    pub optional_stop: bool,
+    /// Levels of block delete that are switched on, bit n = level n.
+    pub block_delete: u16,
+    /// Only diagnostics are wanted: no program is kept.
+    pub check_only: bool,
+    /// Subprograms in other files.
+    pub library: Option<Library>,
+    pub limits: Limits,
+}
+
+/// Size and count limits; tests lower them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    pub bytes: usize,
+    pub errors: usize,
+    pub blocks: u64,
+    pub calls: usize,
+    /// Motion commands and spool functions in all, a bound on memory.
+    pub commands: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Limits { bytes: 256 << 20, errors: 100, blocks: 100_000_000, calls: 10, commands: 20_000_000 }
+    }
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            profile: None,
+            optional_stop: false,
+            block_delete: 0,
+            check_only: false,
+            library: None,
+            limits: Limits::default(),
+        }
+    }
+}
+
+/// Meaning of I J K without G90.1 or G91.1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArcCentre {
+    Incremental,
+    Absolute,
+    /// MODEREG bit 12 set: incremental; clear: absolute under G90.
+    LikeController,
+}
+
+/// The settled dialect of one compilation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dialect {
+    /// Value of one increment for numbers without point; 0 = units.
+    pub integer_increment: f64,
+    /// Unit of P in a dwell, s.
+    pub dwell_p: f64,
+    pub arc_centre: ArcCentre,
+    pub macros: bool,
+    pub oword: bool,
+    pub vacant_zero: bool,
+    /// X words are diameters.
+    pub diameter: bool,
+    pub lathe: bool,
+    pub keep_g92: bool,
+    pub nested_comments: bool,
+    /// U V W without such axes are incremental X Y Z.
+    pub uvw_incremental: bool,
+    pub look_ahead: bool,
+    pub peck_clearance: f64,
+    pub strict_m: bool,
+}
+
+impl Dialect {
+    pub fn new(machine: &Machine, options: &Options) -> Self {
+        let profile = options.profile.unwrap_or(machine.gcode.profile);
+        let linuxcnc = profile == Profile::Linuxcnc;
+        let lathe = profile == Profile::Lathe;
+        let seconds = linuxcnc || machine.gcode.dwell_p_unit == DwellUnit::Seconds;
+        Dialect {
+            integer_increment: 0.0,
+            dwell_p: if seconds { 1.0 } else { 1e-3 },
+            arc_centre: ArcCentre::Incremental,
+            macros: true,
+            oword: linuxcnc,
+            vacant_zero: matches!(profile, Profile::Fanuc | Profile::Linuxcnc),
+            diameter: lathe,
+            lathe,
+            keep_g92: linuxcnc,
+            nested_comments: profile != Profile::Fanuc,
+            uvw_incremental: lathe,
+            look_ahead: machine.gcode.modereg & 1 != 0,
+            peck_clearance: 1.0,
+            strict_m: false,
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Path speed of a block (docs/dialect.md, section 8): TRVL = L_c / T.
+
+use crate::block::Block;
+use crate::diagnostics::{Check, Fault, Id};
+use crate::group::{ContourGroup, Point};
+use crate::modal::FeedMode;
+use crate::sink::Circle;
+use crate::translate::Translator;
+
+/// Lengths of a block: the one the controller counts, and the one that F refers to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lengths {
+    /// L_c: all axes, rotary ones with effradius.
+    pub path: f64,
+    /// L_f: linear axes; rotary ones in degrees if nothing else moves.
+    pub feed: f64,
+    /// No linear axis moves.
+    pub rotary_only: bool,
+}
+
+impl Lengths {
+    pub fn of(group: &ContourGroup, from: &Point, to: &Point, circle: Option<&Circle>) -> Self {
+        let (mut linear, mut rotary, mut degrees) = (0.0, 0.0, 0.0);
+        for (slot, axis) in group.axes.iter().enumerate() {
+            if circle.is_some_and(|c| c.slots.contains(&slot)) {
+                continue;
+            }
+            let d = to[slot] - from[slot];
+            if axis.rotary {
+                rotary += (d * axis.metric).powi(2);
+                degrees += d * d;
+            } else {
+                linear += d * d;
+            }
+        }
+        if let Some(circle) = circle {
+            linear += (circle.radius * circle.sweep.to_radians()).powi(2);
+        }
+        let rotary_only = linear == 0.0;
+        let feed = if rotary_only { degrees } else { linear };
+        Lengths { path: (linear + rotary).sqrt(), feed: feed.sqrt(), rotary_only }
+    }
+}
+
+impl Translator<'_> {
+    /// F word: value and unit are those of this block.
+    pub(crate) fn feed_word(&mut self, block: &Block) -> Check<()> {
+        let Some(word) = block.word(b'F') else { return Ok(()) };
+        if word.value <= 0.0 {
+            return Err(Fault::new(Id::GC504, word.span));
+        }
+        let modal = &mut self.state.modal;
+        let feed = crate::modal::Feed { raw: word.value, mm: word.value * modal.unit() };
+        if modal.feed != Some(feed) {
+            modal.feed = Some(feed);
+            self.sink.flush();
+            self.facts.feeds.push((self.line, feed.mm));
+        }
+        Ok(())
+    }
+
+    /// Path speed in mm/s at factor 1.
+    pub(crate) fn path_speed(&mut self, block: &Block, lengths: &Lengths) -> Check<f64> {
+        let modal = &self.state.modal;
+        if modal.feed_mode == FeedMode::InverseTime && !block.has(b'F') {
+            return Err(Fault::new(Id::GC502, block.span));
+        }
+        let Some(feed) = modal.feed else { return Err(Fault::new(Id::GC501, block.span)) };
+        let per_minute = if lengths.rotary_only { feed.raw } else { feed.mm };
+        let speed = match modal.feed_mode {
+            FeedMode::PerMinute if lengths.path == lengths.feed => per_minute / 60.0,
+            FeedMode::PerMinute => per_minute / 60.0 * (lengths.path / lengths.feed),
+            FeedMode::InverseTime => lengths.path * feed.raw / 60.0,
+            FeedMode::PerRevolution => per_minute * self.revolutions(block)? / 60.0 * (lengths.path / lengths.feed),
+        };
+        let limit = self.machine.gcode.feed_limit;
+        if speed > limit {
+            self.limited(block, feed.raw, speed, limit);
+            return Ok(limit);
+        }
+        Ok(speed)
+    }
+    #[cold]
+    fn limited(&mut self, block: &Block, value: f64, speed: f64, limit: f64) {
+        if self.limited_feed != Some(value) {
+            self.limited_feed = Some(value);
+            let shown = format!("{:.3}", speed * 60.0);
+            self.faults.push(Fault::with(Id::GW925, block.span_of(b'F'), &[&shown, &(limit * 60.0)]));
+        }
+    }
+
+    /// Spindle speed in 1/min, for feed per revolution.
+    fn revolutions(&self, block: &Block) -> Check<f64> {
+        let modal = &self.state.modal;
+        let unknown = || Fault::new(Id::GC505, block.span);
+        let speed = modal.speed.filter(|s| *s > 0.0).ok_or_else(unknown)?;
+        if !modal.cutting_speed {
+            return Ok(modal.speed_limit.map_or(speed, |limit| speed.min(limit)));
+        }
+        let limit = modal.speed_limit.ok_or_else(|| Fault::new(Id::GC503, block.span))?;
+        let slot = self.group.slot(b'X').ok_or_else(unknown)?;
+        let radius = 0.5 * (self.state.program[slot] + self.target_program[slot]);
+        let diameter = (2.0 * radius.abs()).max(0.1);
+        let metres = if modal.inch { speed * 0.3048 } else { speed };
+        Ok(limit.min(1000.0 * metres / (std::f64::consts::PI * diameter)))
+    }
+
+    /// Rapid path speed such that no axis exceeds its rapid limit.
+    pub(crate) fn rapid_speed(&self, to: &Point, length: f64) -> f64 {
+        let from = &self.state.machine;
+        let speeds = self.group.axes.iter().enumerate().filter_map(|(slot, axis)| {
+            let d = (to[slot] - from[slot]).abs();
+            (d > 0.0).then(|| axis.rapid * length / d)
+        });
+        speeds.fold(f64::INFINITY, f64::min)
+    }
+}

@@ -1,0 +1,75 @@
+//! The axes of the contour group, by slot (position in the group) and by address letter.
+
+use motion_kernel::axes::AxisSet;
+use motion_kernel::machine::{AxisKind, Machine};
+
+use crate::block::letter_index;
+
+/// Address letters of axes: X Y Z A B C U V W.
+pub const SLOTS: usize = 9;
+
+/// One value per slot of the group; mm or degrees.
+pub type Point = [f64; SLOTS];
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GroupAxis {
+    /// Index in the machine.
+    pub axis: usize,
+    pub letter: u8,
+    pub rotary: bool,
+    pub rapid: f64,
+    pub limits: Option<(f64, f64)>,
+    pub reference: f64,
+    /// Path length per axis unit (design D7): 1, or effradius * pi / 180 for rotary axes.
+    pub metric: f64,
+    pub effradius: f64,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContourGroup {
+    pub axes: Vec<GroupAxis>,
+    pub start: Point,
+    slot: [Option<u8>; 26],
+}
+
+impl ContourGroup {
+    pub fn new(machine: &Machine) -> Self {
+        let mut group = ContourGroup { axes: Vec::new(), start: [0.0; SLOTS], slot: [None; 26] };
+        for (index, axis) in machine.axes.iter().enumerate() {
+            let Some(letter) = axis.letter.filter(|l| "XYZABCUVW".contains(*l)) else { continue };
+            let letter = letter as u8;
+            let rotary = axis.kind == AxisKind::Rotary;
+            group.slot[letter_index(letter)] = Some(group.axes.len() as u8);
+            group.start[group.axes.len()] = axis.start;
+            group.axes.push(GroupAxis {
+                axis: index,
+                letter,
+                rotary,
+                rapid: axis.rapid,
+                limits: axis.limits.map(|l| (l.left, l.right)),
+                reference: axis.reference,
+                metric: if rotary { axis.effradius.to_radians() } else { 1.0 },
+                effradius: axis.effradius,
+            });
+        }
+        group
+    }
+    pub fn len(&self) -> usize {
+        self.axes.len()
+    }
+    pub fn is_empty(&self) -> bool {
+        self.axes.is_empty()
+    }
+    #[inline]
+    pub fn slot(&self, letter: u8) -> Option<usize> {
+        self.slot[letter_index(letter)].map(usize::from)
+    }
+    pub fn set(&self) -> AxisSet {
+        self.axes.iter().map(|a| a.axis).collect()
+    }
+    /// Path length of a straight move (design D7).
+    pub fn distance(&self, from: &Point, to: &Point) -> f64 {
+        let squares = self.axes.iter().zip(from.iter().zip(to)).map(|(a, (f, t))| ((t - f) * a.metric).powi(2));
+        squares.sum::<f64>().sqrt()
+    }
+}

@@ -1,0 +1,415 @@
+//! M, S, T, H and dwell: the spool functions they become (docs/dialect.md, section 16).
+
+use motion_kernel::autocode::Instr;
+use motion_kernel::axes::AxisSet;
+
+use crate::block::{AXIS_LETTERS, Block, GWord, Statement, bit, mask};
+use crate::codes::Group;
+use crate::diagnostics::{Check, Fault, Id, Span};
+use crate::dialect::Dialect;
+use crate::translate::{Call, Flow, Translator};
+use crate::variables::Variable;
+
+/// Spool special functions by their number (4.4.123).
+pub mod spool {
+    pub const HALT: u16 = 1000;
+    pub const SET_OUTPUTS: u16 = 1001;
+    pub const RESET_OUTPUTS: u16 = 1002;
+    /// Wait, unit 64 us.
+    pub const WAIT: u16 = 1003;
+    pub const WAIT_INPUTS: u16 = 1004;
+    /// Wait until the application clears CI99.
+    pub const WAIT_HOST: u16 = 1025;
+    pub const WRITE_CD: u16 = 20000;
+}
+
+/// CD that takes S, and CI that takes H.
+const SPEED_CD: u16 = 200;
+const AUXILIARY_CI: u16 = 200;
+
+/// Outputs as bit masks, O1 = bit 0.
+const CLOCKWISE: u32 = 1 << 0;
+const COUNTER_CLOCKWISE: u32 = 1 << 1;
+const FLOOD: u32 = 1 << 2;
+const MIST: u32 = 1 << 3;
+const CLAMP: u32 = 1 << 4;
+
+/// Outputs to be set and reset by one block: one entry each, reset first.
+#[derive(Clone, Copy, Debug, Default)]
+struct Outputs {
+    set: u32,
+    reset: u32,
+}
+
+impl Outputs {
+    fn put(&mut self, set: u32, reset: u32) {
+        self.set = self.set & !reset | set;
+        self.reset = self.reset & !set | reset;
+    }
+}
+
+impl Translator<'_> {
+    fn first(&self) -> AxisSet {
+        AxisSet::single(self.sink.first_axis())
+    }
+    fn put_out(&mut self, outputs: Outputs) {
+        for (mask, command) in [(outputs.reset, spool::RESET_OUTPUTS), (outputs.set, spool::SET_OUTPUTS)] {
+            if mask != 0 {
+                self.sink.ssf(self.line, self.first(), command, f64::from(mask), false);
+            }
+        }
+    }
+    /// A wait function for all group axes.
+    fn wait(&mut self, command: u16, value: f64) {
+        self.sink.ssf(self.line, self.sink.set(), command, value, true);
+        self.sink.instr(self.line, Instr::Ssms(self.sink.set()));
+    }
+    /// A host event that the path waits for.
+    pub(crate) fn host_wait(&mut self, kind: &str, text: &str) {
+        self.sink.stop();
+        self.sink.event(self.line, kind, text);
+        self.wait(spool::WAIT_HOST, 1.0);
+    }
+    /// G75: everything spooled is done before the task goes on.
+    pub(crate) fn drain(&mut self) {
+        self.sink.stop();
+        self.sink.instr(self.line, Instr::Drain(self.sink.set()));
+    }
+
+    /// Step 3: MSG.
+    pub(crate) fn message(&mut self, block: &Block) {
+        if let Some(text) = &block.message {
+            self.sink.event(self.line, "MSG", text);
+        }
+    }
+
+    /// Step 5: G96, G97, then S.
+    pub(crate) fn spindle_speed(&mut self, block: &Block, owner: Option<&GWord>) -> Check<()> {
+        self.used |= bit(b'S');
+        if let Some(g) = block.code_of(Group::SpindleMode) {
+            let cutting = g.code.tenths == 960;
+            if cutting && self.state.modal.speed_limit.is_none() {
+                return Err(Fault::new(Id::GC503, g.span));
+            }
+            self.state.modal.cutting_speed = cutting;
+        }
+        let Some(word) = block.word(b'S') else { return Ok(()) };
+        let limits = owner.is_some_and(|o| o.code.tenths == 920) || block.g(500).is_some();
+        if limits {
+            self.state.modal.speed_limit = Some(word.value);
+            return Ok(());
+        }
+        if block.m(19).is_some() {
+            return Ok(());
+        }
+        if self.state.modal.speed != Some(word.value) {
+            self.state.modal.speed = Some(word.value);
+            self.sink.ssf(self.line, self.first(), spool::WRITE_CD + SPEED_CD, word.value, false);
+        }
+        Ok(())
+    }
+
+    /// Steps 6 to 9: T, M06, gear, spindle start, coolant on, clamps.
+    pub(crate) fn tool_and_outputs_before(&mut self, block: &Block) -> Check<()> {
+        self.used |= mask("TD");
+        if let Some(word) = block.word(b'T') {
+            let number = word.value as u32;
+            self.state.modal.tool = if self.dialect.lathe && number >= 100 { number / 100 } else { number };
+            self.sink.event(self.line, "T", &number.to_string());
+        }
+        if block.has(b'H') && block.code_of(Group::LengthCorrection).is_none() {
+            self.used |= bit(b'H');
+            let value = block.value(b'H').unwrap_or(0.0);
+            self.sink.ssf(self.line, self.first(), AUXILIARY_CI, value, false);
+        }
+        if let Some(m) = block.m(6) {
+            self.tool_change(m.span);
+        }
+        let mut outputs = Outputs::default();
+        for m in &block.m {
+            self.function_before(block, m.number, m.span, &mut outputs)?;
+        }
+        self.put_out(outputs);
+        Ok(())
+    }
+    fn tool_change(&mut self, span: Span) {
+        let tool = self.state.modal.tool;
+        self.state.modal.in_spindle = tool;
+        self.facts.tools.push(tool);
+        if tool != 0 && !self.machine.gcode.tools.iter().any(|t| t.number == tool) {
+            self.faults.push(Fault::with(Id::GW935, span, &[&tool]));
+        }
+        self.host_wait("M06", &tool.to_string());
+    }
+    fn function_before(&mut self, block: &Block, m: u16, span: Span, outputs: &mut Outputs) -> Check<()> {
+        let modal = &mut self.state.modal;
+        match m {
+            3 | 13 => (modal.spindle, _) = (3, outputs.put(CLOCKWISE, COUNTER_CLOCKWISE)),
+            4 | 14 => (modal.spindle, _) = (4, outputs.put(COUNTER_CLOCKWISE, CLOCKWISE)),
+            7 => (modal.coolant[1], _) = (true, outputs.put(MIST, 0)),
+            8 => (modal.coolant[0], _) = (true, outputs.put(FLOOD, 0)),
+            10 => outputs.put(CLAMP, 0),
+            11 => outputs.put(0, CLAMP),
+            19 => {
+                self.used |= mask("SR");
+                let angle = block.value(b'S').or(block.value(b'R')).unwrap_or(0.0);
+                self.host_wait("M19", &angle.to_string());
+            }
+            36..=39 => self.sink.event(self.line, &format!("M{m}"), ""),
+            40..=45 => self.host_wait(&format!("M{m}"), ""),
+            48 | 49 => {
+                modal.override_on = m == 48;
+                self.sink.event(self.line, &format!("M{m}"), "");
+            }
+            15 | 16 | 31 => return Err(Fault::with(Id::GC510, span, &[&m])),
+            62..=65 => self.output(block, m, span, outputs)?,
+            66 => self.wait_input(block, span)?,
+            0..=2 | 5 | 6 | 9 | 17 | 29 | 30 | 60 | 98 | 99 => {}
+            _ if self.dialect.strict_m => return Err(Fault::with(Id::GC513, span, &[&m])),
+            _ => {
+                self.faults.push(Fault::with(Id::GW930, span, &[&format!("M{m}")]));
+                self.sink.event(self.line, &format!("M{m}"), "");
+            }
+        }
+        if matches!(m, 13 | 14) {
+            self.state.modal.coolant[0] = true;
+            outputs.put(FLOOD, 0);
+        }
+        Ok(())
+    }
+    /// Number of an output or input, P0..P31.
+    fn line_number(&mut self, block: &Block, span: Span) -> Check<u32> {
+        self.used |= bit(b'P');
+        let Some(word) = block.word(b'P') else { return Err(Fault::with(Id::GC202, span, &[&'P'])) };
+        if word.value.fract() != 0.0 || !(0.0..=31.0).contains(&word.value) {
+            return Err(Fault::with(Id::GC514, word.span, &[&word.value]));
+        }
+        Ok(word.value as u32)
+    }
+    /// M62..M65: output P on or off, in step with motion.
+    fn output(&mut self, block: &Block, m: u16, span: Span, outputs: &mut Outputs) -> Check<()> {
+        let bit = 1 << self.line_number(block, span)?;
+        if m % 2 == 0 { outputs.put(bit, 0) } else { outputs.put(0, bit) }
+        if m >= 64 {
+            self.faults.push(Fault::new(Id::GW931, span));
+        }
+        Ok(())
+    }
+    /// M66 Pn L3: wait for an input; L0 goes on at once.
+    fn wait_input(&mut self, block: &Block, span: Span) -> Check<()> {
+        let mode = block.integer(b'L').unwrap_or(0);
+        self.used |= bit(b'L');
+        if block.has(b'Q') || !matches!(mode, 0 | 3) {
+            return Err(Fault::new(Id::GC511, span));
+        }
+        let input = self.line_number(block, span)?;
+        if mode == 3 {
+            self.wait(spool::WAIT_INPUTS, f64::from(1u32 << input));
+        }
+        Ok(())
+    }
+
+    /// A dwell stands alone with its time.
+    pub(crate) fn check_dwell_block(&self, block: &Block) -> Check<()> {
+        let time = mask("XU");
+        if let Some(g) = block.g.iter().find(|g| {
+            let code = g.code;
+            code.group == Group::Motion && code.tenths <= 30 || code.group == Group::OneShot && code.tenths != 40
+        }) {
+            let dwell = block.g(40).map_or(g.span, |d| d.span);
+            let later = if dwell.start > g.span.start { dwell } else { g.span };
+            return Err(Fault::new(Id::GC304, later));
+        }
+        match block.first_of(AXIS_LETTERS & !time) {
+            Some((_, word)) => Err(Fault::new(Id::GC304, word.span)),
+            None => Ok(()),
+        }
+    }
+    /// Step 10: G04.
+    pub(crate) fn dwell(&mut self, block: &Block) -> Check<()> {
+        let Some(g) = block.g(40).copied() else { return Ok(()) };
+        let times = mask("XUFP");
+        self.used |= times;
+        let mut found = None;
+        for letter in *b"XUFP" {
+            if let Some(word) = block.word(letter) {
+                if found.is_some() {
+                    let (_, last) = block.first_of(bit(letter)).expect("the word is there");
+                    return Err(Fault::new(Id::GC508, last.span));
+                }
+                let seconds = dwell_seconds(&self.dialect, letter, word.value, word.integer_form);
+                found = Some((seconds, word.span));
+            }
+        }
+        let Some((seconds, span)) = found else { return Err(Fault::new(Id::GC507, g.span)) };
+        self.wait_seconds(seconds, span)
+    }
+    /// 1003 on all group axes; 0 only stops the path.
+    pub(crate) fn wait_seconds(&mut self, seconds: f64, span: Span) -> Check<()> {
+        if seconds < 0.0 {
+            return Err(Fault::new(Id::GC506, span));
+        }
+        if seconds > 86400.0 {
+            return Err(Fault::new(Id::GC512, span));
+        }
+        if seconds == 0.0 {
+            self.sink.stop();
+            return Ok(());
+        }
+        if seconds < self.machine.sample_time_s() {
+            self.faults.push(Fault::new(Id::GW932, span));
+        }
+        self.wait(spool::WAIT, (seconds / 64e-6 + 0.5).floor());
+        Ok(())
+    }
+
+    /// Step 20: M05, M09.
+    pub(crate) fn outputs_after(&mut self, block: &Block) -> Check<()> {
+        let mut outputs = Outputs::default();
+        if block.m(5).is_some() {
+            self.state.modal.spindle = 5;
+            outputs.put(0, CLOCKWISE | COUNTER_CLOCKWISE);
+        }
+        if block.m(9).is_some() {
+            self.state.modal.coolant = [false; 2];
+            outputs.put(0, FLOOD | MIST);
+        }
+        self.put_out(outputs);
+        Ok(())
+    }
+
+    /// Steps 21 and 22: calls, returns, stops, end.
+    pub(crate) fn flow_step(&mut self, block: &Block) -> Check<Flow> {
+        if let Some(call) = self.call(block)? {
+            return Ok(Flow::Call(call));
+        }
+        for m in &block.m {
+            match m.number {
+                0 | 60 => self.operator_stop(m.number),
+                1 if self.options.optional_stop => self.operator_stop(1),
+                2 | 30 => return Ok(Flow::End),
+                17 | 29 | 99 => {
+                    self.used |= bit(b'P');
+                    let target = block.whole(b'P')?.map(|p| (p as u32, block.span_of(b'P')));
+                    return Ok(Flow::Return(target));
+                }
+                _ => {}
+            }
+        }
+        Ok(Flow::Next)
+    }
+    fn operator_stop(&mut self, m: u16) {
+        self.sink.stop();
+        self.sink.event(self.line, &format!("M{m:02}"), "");
+        self.wait(spool::HALT, 0.0);
+    }
+    fn call(&mut self, block: &Block) -> Check<Option<Call>> {
+        let m98 = block.m(98);
+        let by_l = m98.is_none() && block.g(100).is_none() && block.m(66).is_none() && block.g(650).is_none();
+        let by_l = by_l && !matches!(self.state.modal.motion, crate::modal::MotionMode::Cycle(_));
+        if let Some(m) = m98 {
+            self.used |= mask("PL");
+            let Some(p) = block.whole(b'P')? else { return Err(Fault::new(Id::GC612, m.span)) };
+            let count = block.integer(b'L').unwrap_or(1);
+            let (name, count) = if !block.has(b'L') && p >= 10000 { (p % 10000, (p / 10000) as u32) } else { (p, count) };
+            return self.counted(block, name.to_string(), count, m.span).map(Some);
+        }
+        if let Some((name, span)) = &block.call_name {
+            return self.executions(block, name.clone(), *span).map(Some);
+        }
+        match block.word(b'L') {
+            Some(word) if by_l => {
+                self.used |= bit(b'L');
+                self.executions(block, (word.value as u32).to_string(), word.span).map(Some)
+            }
+            _ => Ok(None),
+        }
+    }
+    fn executions(&mut self, block: &Block, name: String, span: Span) -> Check<Call> {
+        self.used |= bit(b'O');
+        let count = block.integer(b'O').unwrap_or(1);
+        self.counted(block, name, count, span)
+    }
+    fn counted(&mut self, block: &Block, name: String, count: u32, span: Span) -> Check<Call> {
+        if count > 9999 {
+            return Err(Fault::with(Id::GC616, span, &[&count]));
+        }
+        if count == 0 {
+            self.faults.push(Fault::new(Id::GW910, span));
+        }
+        if block.has_any(AXIS_LETTERS) {
+            self.faults.push(Fault::new(Id::GW911, span));
+        }
+        Ok(Call { name, count, arguments: None, span })
+    }
+
+    /// Program end: outputs off, everything done, modal reset.
+    pub fn end(&mut self, kind: &str) {
+        self.sink.stop();
+        self.put_out(Outputs { set: 0, reset: CLOCKWISE | COUNTER_CLOCKWISE | FLOOD | MIST });
+        self.sink.event(self.line, kind, "");
+        self.sink.instr(self.line, Instr::Drain(self.sink.set()));
+        self.sink.instr(self.line, Instr::Halt);
+    }
+
+    /// Assignments of a block: `CIn` and `CDn` are spooled, in step with motion.
+    pub fn assign(&mut self, block: &Block, variables: &mut crate::variables::Variables) {
+        for a in &block.assignments {
+            variables.set(&a.variable, a.value);
+            match a.variable {
+                Variable::Ci(n) => self.sink.ssf(self.line, self.first(), n, a.value.round(), false),
+                Variable::Cd(n) => self.sink.ssf(self.line, self.first(), spool::WRITE_CD + n, a.value, false),
+                _ => {}
+            }
+        }
+    }
+    /// `write` and `writeln`, in step with motion as far as the task is.
+    pub fn write(&mut self, statement: &Statement) {
+        let Statement::Write { items, line } = statement else { return };
+        let text: String = items.iter().map(item_text).collect();
+        if !text.is_empty() {
+            let number = self.sink.text(&text);
+            self.sink.instr(self.line, Instr::WriteText(number));
+        }
+        if *line {
+            self.sink.instr(self.line, Instr::Writeln);
+        }
+    }
+}
+
+fn item_text(item: &crate::block::Item) -> String {
+    match item {
+        crate::block::Item::Text(text) => text.clone(),
+        crate::block::Item::Value(value) => number_text(*value),
+    }
+}
+
+/// Integers plain, others with up to 6 significant decimals and no trailing zeros.
+pub fn number_text(value: f64) -> String {
+    if value.fract() == 0.0 && value.abs() < 1e15 {
+        return format!("{value:.0}");
+    }
+    format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// X, U and F are seconds; P is in the unit of the dialect.
+pub(crate) fn dwell_seconds(dialect: &Dialect, letter: u8, value: f64, integer_form: bool) -> f64 {
+    if letter == b'P' {
+        return value * dialect.dwell_p;
+    }
+    if integer_form && dialect.integer_increment > 0.0 { value * dialect.integer_increment } else { value }
+}
+
+impl Translator<'_> {
+    /// G86: the spindle stands on the way out.
+    pub(crate) fn spindle_stop(&mut self) {
+        self.put_out(Outputs { set: 0, reset: CLOCKWISE | COUNTER_CLOCKWISE });
+    }
+    pub(crate) fn spindle_again(&mut self) {
+        match self.state.modal.spindle {
+            3 => self.put_out(Outputs { set: CLOCKWISE, reset: COUNTER_CLOCKWISE }),
+            4 => self.put_out(Outputs { set: COUNTER_CLOCKWISE, reset: CLOCKWISE }),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! Modal state of a program (docs/dialect.md, section 5). A block is resolved against a copy; only a good block is kept.
+
+use crate::frame::Frame;
+use crate::group::{ContourGroup, Point};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MotionMode {
+    Rapid,
+    Line,
+    Clockwise,
+    CounterClockwise,
+    /// A canned cycle, its G code in tenths.
+    Cycle(u16),
+    /// G80
+    None,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plane {
+    Xy,
+    Zx,
+    Yz,
+}
+
+impl Plane {
+    /// Ordered axis pair and normal (section 7.1).
+    pub const fn letters(self) -> ([u8; 2], u8) {
+        match self {
+            Plane::Xy => ([b'X', b'Y'], b'Z'),
+            Plane::Zx => ([b'Z', b'X'], b'Y'),
+            Plane::Yz => ([b'Y', b'Z'], b'X'),
+        }
+    }
+    /// Centre letters of the pair, and the third.
+    pub const fn centres(self) -> ([u8; 2], u8) {
+        match self {
+            Plane::Xy => ([b'I', b'J'], b'K'),
+            Plane::Zx => ([b'K', b'I'], b'J'),
+            Plane::Yz => ([b'J', b'K'], b'I'),
+        }
+    }
+    pub const fn g(self) -> u16 {
+        match self {
+            Plane::Xy => 17,
+            Plane::Zx => 18,
+            Plane::Yz => 19,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FeedMode {
+    /// G93
+    InverseTime,
+    /// G94
+    PerMinute,
+    /// G95
+    PerRevolution,
+}
+
+/// F as programmed, and in mm with the unit active when it was programmed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Feed {
+    pub raw: f64,
+    pub mm: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Modal {
+    pub motion: MotionMode,
+    pub plane: Plane,
+    pub incremental: bool,
+    /// G90.1 / G91.1 as programmed.
+    pub centre_absolute: Option<bool>,
+    pub feed_mode: FeedMode,
+    pub inch: bool,
+    /// 40, 41, 42
+    pub correction: u16,
+    /// G60, G61
+    pub exact: bool,
+    /// Tolerance for merging, mm.
+    pub tolerance: f64,
+    /// G99: cycles return to R.
+    pub return_to_r: bool,
+    pub feed: Option<Feed>,
+    /// G96
+    pub cutting_speed: bool,
+    pub speed: Option<f64>,
+    pub speed_limit: Option<f64>,
+    /// 3, 4 or 5
+    pub spindle: u16,
+    /// Flood (M08) and mist (M07).
+    pub coolant: [bool; 2],
+    pub override_on: bool,
+    /// Preselected tool, and the one in the spindle.
+    pub tool: u32,
+    pub in_spindle: u32,
+}
+
+impl Modal {
+    pub fn reset(lathe: bool, tolerance: f64) -> Self {
+        Modal {
+            motion: MotionMode::Rapid,
+            plane: if lathe { Plane::Zx } else { Plane::Xy },
+            incremental: false,
+            centre_absolute: None,
+            feed_mode: FeedMode::PerMinute,
+            inch: false,
+            correction: 40,
+            exact: false,
+            tolerance,
+            return_to_r: false,
+            feed: None,
+            cutting_speed: false,
+            speed: None,
+            speed_limit: None,
+            spindle: 5,
+            coolant: [false; 2],
+            override_on: true,
+            tool: 0,
+            in_spindle: 0,
+        }
+    }
+    /// mm per programmed length unit.
+    #[inline]
+    pub fn unit(&self) -> f64 {
+        if self.inch { 25.4 } else { 1.0 }
+    }
+}
+
+/// Sticky words of a canned cycle, in program coordinates (mm).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CycleWords {
+    pub bottom: Option<f64>,
+    pub retract: Option<f64>,
+    pub peck: Option<f64>,
+    pub dwell_s: f64,
+    /// Level from which the cycle was called first (G98).
+    pub initial: f64,
+}
+
+/// What a block is resolved against.
+#[derive(Clone, Debug)]
+pub struct State {
+    pub modal: Modal,
+    pub frame: Frame,
+    pub cycle: Option<CycleWords>,
+    /// Present end of the path, in program and machine coordinates.
+    pub program: Point,
+    pub machine: Point,
+    /// Slots whose position is unknown because a block with an error should have moved them.
+    pub unknown: u32,
+}
+
+impl State {
+    pub fn new(group: &ContourGroup, frame: Frame, modal: Modal) -> Self {
+        let program = frame.to_program(&group.start);
+        State { modal, frame, cycle: None, program, machine: group.start, unknown: 0 }
+    }
+    /// After any change of the frame: the machine stays, its program position is recomputed.
+    pub fn reframe(&mut self) {
+        self.frame.refresh();
+        self.program = self.frame.to_program(&self.machine);
+    }
+    /// The active code of a modal group (`#4001`..), in the numbering of section 5.
+    pub fn group_code(&self, group: u32) -> Option<f64> {
+        let m = &self.modal;
+        Some(match group {
+            1 => match m.motion {
+                MotionMode::Rapid => 0.0,
+                MotionMode::Line => 1.0,
+                MotionMode::Clockwise => 2.0,
+                MotionMode::CounterClockwise => 3.0,
+                MotionMode::Cycle(code) => f64::from(code) / 10.0,
+                MotionMode::None => 80.0,
+            },
+            2 => f64::from(m.plane.g()),
+            3 => if m.incremental { 91.0 } else { 90.0 },
+            5 => match m.feed_mode {
+                FeedMode::InverseTime => 93.0,
+                FeedMode::PerMinute => 94.0,
+                FeedMode::PerRevolution => 95.0,
+            },
+            6 => if m.inch { 20.0 } else { 21.0 },
+            7 => f64::from(m.correction),
+            8 => if self.frame.length.is_some() { 43.0 } else { 49.0 },
+            9 => if m.exact { 61.0 } else { 64.0 },
+            10 => if m.return_to_r { 99.0 } else { 98.0 },
+            12 => if m.cutting_speed { 96.0 } else { 97.0 },
+            _ => return None,
+        })
+    }
+    /// Modal codes as an operator reads them, e.g. "G1 G17 G90 G21 G94 G40 G49 G64 G54".
+    pub fn text(&self) -> String {
+        use crate::frame::Zero;
+        let m = &self.modal;
+        let motion = match m.motion {
+            MotionMode::Rapid => "0".to_owned(),
+            MotionMode::Line => "1".to_owned(),
+            MotionMode::Clockwise => "2".to_owned(),
+            MotionMode::CounterClockwise => "3".to_owned(),
+            MotionMode::Cycle(code) => crate::codes::number(code),
+            MotionMode::None => "80".to_owned(),
+        };
+        let distance = if m.incremental { 91 } else { 90 };
+        let unit = if m.inch { 20 } else { 21 };
+        let feed = match m.feed_mode {
+            FeedMode::InverseTime => 93,
+            FeedMode::PerMinute => 94,
+            FeedMode::PerRevolution => 95,
+        };
+        let length = if self.frame.length.is_some() { 43 } else { 49 };
+        let path = if m.exact { 61 } else { 64 };
+        let zero = match self.frame.zero {
+            Zero::Machine => "53".to_owned(),
+            Zero::Work(set) => format!("{}", 54 + set),
+            Zero::Extra(n) => format!("54.1 P{n}"),
+        };
+        let plane = m.plane.g();
+        format!("G{motion} G{plane} G{distance} G{unit} G{feed} G{} G{length} G{path} G{zero}", m.correction)
+    }
+}

@@ -1,0 +1,449 @@
+//! A whole program: lines in, blocks through the translator, tape marks, program end, all findings.
+
+use motion_kernel::autocode::Program;
+use motion_kernel::machine::Machine;
+
+use crate::block::{AXIS_LETTERS, Block, mask};
+use crate::diagnostics::{Diagnostic, Fault, Id, Place, Reports, Span};
+use crate::dialect::Options;
+use crate::expression::Environment;
+use crate::facts::Facts;
+use crate::flow::{Files, Flows, Turn};
+use crate::parser;
+use crate::seen::Numbers;
+use crate::source::{check_length, check_text};
+use crate::translate::{Flow, Translator};
+use crate::variables::Variables;
+
+/// The result of a compilation. `program` is there exactly if no error was found (and it was not only a check).
+#[derive(Debug)]
+pub struct Compiled {
+    pub program: Option<Program>,
+    pub diagnostics: Vec<Diagnostic>,
+    /// Warnings beyond the kept ones.
+    pub more_warnings: usize,
+    pub facts: Facts,
+}
+
+impl Compiled {
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(|d| !d.is_warning())
+    }
+}
+
+/// Compiles a part program for a machine. Never panics, whatever the bytes.
+pub fn compile(source: &[u8], filename: &str, machine: &Machine, options: &Options) -> Compiled {
+    let mut reports = Reports::new(options.limits.errors);
+    let files = Files::default();
+    let mut translator = Translator::new(machine, options);
+    let fine = check_text(source, options.limits.bytes).and_then(|()| check_machine(&translator));
+    match fine {
+        Err(fault) => reports.add(Place { file_index: 0, file: filename, line: 1, text: b" " }, &fault),
+        Ok(()) => Run::new(&mut translator, &mut reports, source, filename, &files).run(),
+    }
+    let failed = reports.has_errors();
+    let (diagnostics, more_warnings) = reports.finish();
+    translator.facts.merged = translator.sink.merged;
+    let keep = !failed && !options.check_only;
+    let Translator { sink, facts, .. } = translator;
+    Compiled { program: keep.then(|| sink.finish()), diagnostics, more_warnings, facts }
+}
+
+/// A group without axes, speed or acceleration cannot move.
+fn check_machine(translator: &Translator) -> crate::diagnostics::Check<()> {
+    let gcode = &translator.machine.gcode;
+    let axes = &translator.group.axes;
+    let dead = |v: f64| v.is_nan() || v <= 0.0;
+    if axes.is_empty() || dead(gcode.trac_feed) || dead(gcode.trac_rapid) || axes.iter().any(|a| dead(a.rapid)) {
+        return Err(Fault::new(Id::GC807, Span::new(0, 1)));
+    }
+    match axes.iter().find(|a| a.rotary && dead(a.effradius)) {
+        Some(axis) => Err(Fault::with(Id::GC808, Span::new(0, 1), &[&char::from(axis.letter)])),
+        None => Ok(()),
+    }
+}
+
+/// Where the reader is in the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mode {
+    /// Blocks are executed.
+    Run,
+    /// Program end is behind, or a subprogram is being defined: blocks are only read.
+    Read,
+    /// End of tape: the rest is not read.
+    Ignore,
+}
+
+pub(crate) struct Run<'t, 'm, 's> {
+    pub t: &'t mut Translator<'m>,
+    pub reports: &'t mut Reports,
+    pub variables: Variables,
+    pub flows: Flows<'s>,
+    pub mode: Mode,
+    numbers: Numbers,
+    /// The program has begun: a block was executed.
+    begun: bool,
+    ended: bool,
+    any_block: bool,
+    told: Told,
+    last: (u32, Span),
+    faults: Vec<Box<Fault>>,
+}
+
+/// Warnings that are given once.
+#[derive(Default)]
+struct Told {
+    after_tape: bool,
+    oword: bool,
+    inch: bool,
+}
+
+impl<'t, 'm, 's> Run<'t, 'm, 's> {
+    fn new(t: &'t mut Translator<'m>, reports: &'t mut Reports, source: &'s [u8], filename: &'s str, files: &'s Files) -> Self {
+        let variables = Variables::new(t.dialect.vacant_zero, t.dialect.oword);
+        Run {
+            flows: Flows::new(source, filename, files, t.options),
+            t,
+            reports,
+            variables,
+            mode: Mode::Run,
+            numbers: Numbers::default(),
+            begun: false,
+            ended: false,
+            any_block: false,
+            told: Told::default(),
+            last: (1, Span::default()),
+            faults: Vec::new(),
+        }
+    }
+
+    fn run(&mut self) {
+        let mut block = Block::default();
+        if self.t.dialect.integer_increment > 0.0 {
+            let increment = self.t.dialect.integer_increment;
+            self.report(1, b" ", &Fault::with(Id::GW904, Span::new(0, 1), &[&increment]));
+        }
+        self.skip_leader(&mut block);
+        while !self.reports.stopped() {
+            let Some((line, text)) = self.flows.next_line() else {
+                if self.flows.at_end_of_file(&mut self.variables) {
+                    continue;
+                }
+                break;
+            };
+            self.line(line, text, &mut block);
+        }
+        self.finish();
+    }
+
+    #[inline]
+    fn line(&mut self, line: u32, text: &'s [u8], block: &mut Block) {
+        let first = text.iter().copied().find(|b| !matches!(b, b' ' | b'\t')).unwrap_or(0);
+        if first == 0 && text.iter().all(|b| matches!(b, b' ' | b'\t')) {
+            return;
+        }
+        if self.mode == Mode::Ignore && first != b'%' {
+            if !std::mem::replace(&mut self.told.after_tape, true) {
+                self.report(line, text, &Fault::new(Id::GW902, Span::new(0, text.len())));
+            }
+            return;
+        }
+        if let Err(fault) = check_length(text) {
+            self.report(line, text, &fault);
+            self.any_block = true;
+            return;
+        }
+        if first == b'%' {
+            return self.tape_mark(line, text);
+        }
+        self.read(line, text, block);
+        self.one_block(line, text, block);
+    }
+
+    /// Parses a line; in `Read` mode and in skipped blocks only its form counts.
+    fn read(&mut self, line: u32, text: &[u8], block: &mut Block) {
+        block.clear(line);
+        let state = &self.t.state;
+        let system = |n: u32| system_variable(state, &self.t.group, n);
+        let env = Environment {
+            variables: &self.variables,
+            system: &system,
+            angle_names: self.t.dialect.oword,
+            dry: self.mode != Mode::Run,
+        };
+        parser::parse(text, &env, &self.t.dialect, block, &mut self.faults);
+    }
+
+    #[inline]
+    fn one_block(&mut self, line: u32, text: &'s [u8], block: &mut Block) {
+        if block.is_empty() && self.faults.is_empty() && block.message.is_none() {
+            return;
+        }
+        self.any_block |= !block.is_empty();
+        let mut bad = false;
+        if !self.faults.is_empty() {
+            bad = self.report_all(line, text);
+            if bad {
+                self.t.lose_position();
+                self.t.sink.drop_program();
+                self.any_block = true;
+            }
+        }
+        if self.mode != Mode::Run || self.is_skipped(block) {
+            return;
+        }
+        if bad {
+            return;
+        }
+        self.execute(line, text, block);
+    }
+    fn is_skipped(&self, block: &Block) -> bool {
+        block.skip.is_some_and(|level| self.t.options.block_delete & 1 << level != 0)
+    }
+
+    #[inline]
+    fn execute(&mut self, line: u32, text: &'s [u8], block: &mut Block) {
+        self.t.line = self.flows.source_line(line);
+        self.last = (line, block.span);
+        if let Some(n) = block.word(b'N')
+            && self.flows.is_first_pass(line)
+            && self.numbers.seen_before(n.value as u32)
+        {
+            self.t.faults.push(Fault::with(Id::GW908, n.span, &[&n.value]));
+        }
+        let result = if block.program.is_none() && block.statement.is_none() && block.assignments.is_empty() {
+            self.t.execute(block)
+        } else {
+            self.execute_special(block)
+        };
+        self.begun = true;
+        match result {
+            Ok(Flow::Next) => {}
+            Ok(flow) => self.turn(flow, block),
+            Err(fault) => {
+                self.t.faults.push(fault);
+                self.t.lose_position();
+            }
+        }
+        if !self.t.faults.is_empty() || !self.t.sink.slowed.is_empty() {
+            self.settle(line, text);
+        }
+        if self.t.facts.blocks + self.flows.scanned > self.t.options.limits.blocks || self.t.sink.commands > self.t.options.limits.commands {
+            let limit = self.t.options.limits.blocks;
+            self.report(line, text, &Fault::with(Id::GC602, block.span, &[&limit]));
+            self.t.sink.drop_program();
+            self.mode = Mode::Ignore;
+            self.told.after_tape = true;
+            self.ended = true;
+            self.flows.unwind();
+        }
+    }
+    /// Program numbers, assignments and statements.
+    fn execute_special(&mut self, block: &mut Block) -> crate::diagnostics::Check<Flow> {
+        if block.program.is_some() {
+            if self.begun {
+                self.next_program();
+                return Ok(Flow::Next);
+            }
+            if block.mask == 0 && block.g.is_empty() && block.m.is_empty() {
+                return Ok(Flow::Next);
+            }
+        }
+        if !block.assignments.is_empty() {
+            self.t.sink.flush();
+            self.t.assign(block, &mut self.variables);
+        }
+        match block.statement.take() {
+            Some(crate::block::Statement::Done) => Ok(Flow::Next),
+            Some(statement @ crate::block::Statement::Write { .. }) => {
+                self.t.write(&statement);
+                Ok(Flow::Next)
+            }
+            Some(statement) => {
+                self.flows.statement(&statement, block, &mut self.variables)?;
+                Ok(Flow::Next)
+            }
+            None => self.t.execute(block),
+        }
+    }
+    /// Another program begins where this one did not end: as if it had ended.
+    fn next_program(&mut self) {
+        if self.flows.depth() > 0 {
+            self.flows.leave(&mut self.variables);
+        } else {
+            self.warn_missing_end();
+            self.program_end(Some("M02"));
+        }
+    }
+    /// Calls, returns and the end of the program.
+    fn turn(&mut self, flow: Flow, block: &Block) {
+        let turn = match flow {
+            Flow::Next => Ok(Turn::Go),
+            Flow::End => {
+                let kind = if block.m(2).is_some() { "M02" } else { "M30" };
+                Ok(Turn::End(kind))
+            }
+            Flow::Return(target) => self.flows.ret(target, block, &mut self.variables),
+            Flow::Call(call) => self.flows.call(call, &mut self.variables),
+        };
+        match turn {
+            Ok(Turn::Go) => {}
+            Ok(Turn::End(kind)) => self.program_end(Some(kind)),
+            Ok(Turn::EndByM99(span)) => {
+                self.t.faults.push(Fault::new(Id::GW912, span));
+                self.program_end(Some("M30"));
+            }
+            Err(fault) => self.t.faults.push(fault),
+        }
+    }
+
+    fn program_end(&mut self, kind: Option<&str>) {
+        if let Some(kind) = kind
+            && !self.ended
+        {
+            self.t.end(kind);
+        }
+        self.ended = true;
+        self.flows.unwind();
+        self.mode = Mode::Read;
+    }
+
+    /// Reports what the translator found in this block, and what merging slowed down.
+    #[cold]
+    fn settle(&mut self, line: u32, text: &[u8]) {
+        let mut bad = false;
+        for fault in std::mem::take(&mut self.t.faults) {
+            bad |= !fault.id.is_warning();
+            self.report(line, text, &fault);
+        }
+        if bad {
+            self.t.sink.drop_program();
+        }
+        for slowed in std::mem::take(&mut self.t.sink.slowed) {
+            self.report(slowed, b" ", &Fault::new(Id::GW926, Span::new(0, 1)));
+        }
+    }
+    #[cold]
+    fn report_all(&mut self, line: u32, text: &[u8]) -> bool {
+        let mut bad = false;
+        for fault in std::mem::take(&mut self.faults) {
+            bad |= !fault.id.is_warning();
+            if fault.id == Id::GC611 && std::mem::replace(&mut self.told.oword, true) {
+                continue;
+            }
+            self.report(line, text, &fault);
+        }
+        bad
+    }
+    pub(crate) fn report(&mut self, line: u32, text: &[u8], fault: &Fault) {
+        let (file_index, file) = self.flows.file();
+        self.reports.add(Place { file_index, file, line, text }, fault);
+    }
+
+    /// `%`: start of the program, its end, or the start of another one.
+    fn tape_mark(&mut self, line: u32, text: &[u8]) {
+        let trimmed = text.trim_ascii();
+        let name = trimmed[1..].trim_ascii();
+        let span = Span::new(0, text.len());
+        if !self.begun && !self.ended && !self.flows.starts_subprogram(name) {
+            let foreign = [(&b"_N_"[..], "Sinumerik"), (b"MPF", "Sinumerik"), (b"PM", "Philips")];
+            if let Some((_, dialect)) = foreign.iter().find(|f| name.to_ascii_uppercase().starts_with(f.0)) {
+                self.report(line, text, &Fault::with(Id::GW903, span, &[dialect]));
+            }
+            self.mode = Mode::Run;
+            return;
+        }
+        if self.flows.depth() > 0 {
+            return self.flows.leave(&mut self.variables);
+        }
+        if !self.ended && self.begun && self.mode == Mode::Run {
+            self.next_program();
+        }
+        self.mode = if name.is_empty() || name.starts_with(b"(") { Mode::Ignore } else { Mode::Read };
+    }
+    fn warn_missing_end(&mut self) {
+        let (line, span) = self.last;
+        self.report(line, b" ", &Fault::new(Id::GW909, Span { end: span.end.max(1), ..span }));
+    }
+
+    /// Leader text before the first `%` is not part of the program.
+    fn skip_leader(&mut self, block: &mut Block) {
+        let start = self.flows.lines.mark();
+        let mut found = None;
+        let mut text_before = None;
+        self.mode = Mode::Read;
+        for _ in 0..50 {
+            let Some((line, text)) = self.flows.lines.next_line() else { break };
+            if text.trim_ascii().starts_with(b"%") {
+                found = Some(line);
+                break;
+            }
+            self.read(line, text, block);
+            let bad = self.faults.iter().any(|f| !f.id.is_warning());
+            self.faults.clear();
+            if !bad && (block.has_any(AXIS_LETTERS | mask("TSF")) || !block.g.is_empty() || !block.m.is_empty()) {
+                break;
+            }
+            if (bad || !block.is_empty()) && text_before.is_none() {
+                text_before = Some((line, text));
+            }
+        }
+        self.mode = Mode::Run;
+        let Some(first) = found.filter(|line| *line > 1) else {
+            self.flows.lines.go(start);
+            return;
+        };
+        if let Some((line, text)) = text_before {
+            self.report(line, text, &Fault::new(Id::GW901, Span::new(0, text.len())));
+        }
+        self.flows.lines.go(start);
+        while self.flows.lines.mark().line < first && self.flows.lines.next_line().is_some() {}
+    }
+
+    fn finish(&mut self) {
+        self.t.facts.lines = self.flows.lines.mark().line - 1;
+        if !self.any_block {
+            self.report(1, b" ", &Fault::new(Id::GC113, Span::new(0, 1)));
+        } else if !self.ended {
+            if let Some(fault) = self.flows.open_loop() {
+                let (line, text, fault) = fault;
+                self.report(line, text, &fault);
+            }
+            self.warn_missing_end();
+            self.t.end("M02");
+        }
+        self.t.sink.flush();
+        let (line, _) = self.last;
+        self.settle(line, b" ");
+        if self.t.dialect.integer_increment == 0.0 && !self.told.inch {
+            self.hint_inch();
+        }
+    }
+    /// Inch programs rarely reach farther than a metre and a half.
+    fn hint_inch(&mut self) {
+        self.told.inch = true;
+        let reach = self.t.facts.high.iter().zip(&self.t.facts.low).map(|(h, l)| h.abs().max(l.abs()));
+        let reach = reach.fold(0.0, f64::max) / 25.4;
+        if self.t.state.modal.inch && reach > 60.0 {
+            self.report(1, b" ", &Fault::with(Id::GW934, Span::new(0, 1), &[&format!("{reach:.1}")]));
+        }
+    }
+}
+
+/// Read-only system variables: #5021.. machine, #5041.. program position, #4001.. modal groups.
+fn system_variable(state: &crate::modal::State, group: &crate::group::ContourGroup, n: u32) -> Option<f64> {
+    const LETTERS: &[u8; 9] = b"XYZABCUVW";
+    let value = |base: u32, point: &crate::group::Point| {
+        let letter = *LETTERS.get((n - base) as usize)?;
+        let slot = group.slot(letter)?;
+        let unit = if group.axes[slot].rotary { 1.0 } else { state.modal.unit() };
+        Some(point[slot] / unit)
+    };
+    match n {
+        5021..=5029 => value(5021, &state.machine),
+        5041..=5049 => value(5041, &state.program),
+        4001..=4016 => state.group_code(n - 4000),
+        3001 => Some(0.0),
+        _ => None,
+    }
+}

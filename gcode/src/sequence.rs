@@ -1,0 +1,79 @@
+//! The motion commands as columns, for path checks and plots: one row per command, in execution order.
+
+use motion_kernel::autocode::{Instr, Program};
+use motion_kernel::machine::{AxisKind, Machine};
+
+/// `a` axes of the machine, `n` motion commands, `m` passed-over points; two-dimensional columns are row by row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SequenceColumns {
+    pub axes: usize,
+    /// (a) position before the first command; machine coordinates, mm or degrees.
+    pub start: Vec<f64>,
+    /// (n) 0 line, 1 circle or helix.
+    pub kind: Vec<u8>,
+    /// (n) 1-based source line.
+    pub line: Vec<u32>,
+    pub rapid: Vec<bool>,
+    /// (n, a) absolute positions of all axes after the command.
+    pub target: Vec<f64>,
+    /// (n) circle axes, first and second of the plane.
+    pub c1: Vec<u8>,
+    pub c2: Vec<u8>,
+    /// (n, 2)
+    pub center: Vec<f64>,
+    /// (n) degrees, counter-clockwise positive.
+    pub phi: Vec<f64>,
+    /// (n) path velocity, acceleration, target velocity: mm/s, mm/s².
+    pub vl: Vec<f64>,
+    pub ac: Vec<f64>,
+    pub tvl: Vec<f64>,
+    /// (n) range of `via_line` and `via_target` for the blocks a merged line replaces, without the last.
+    pub via_first: Vec<u32>,
+    pub via_count: Vec<u32>,
+    /// (m)
+    pub via_line: Vec<u32>,
+    /// (m, a)
+    pub via_target: Vec<f64>,
+    /// (k, a) effective radii, mm; NaN for linear axes.
+    pub effradius: Vec<f64>,
+    /// (n) row of `effradius`.
+    pub effradius_of: Vec<u16>,
+}
+
+/// The motion commands of a program.
+pub fn sequence(program: &Program, machine: &Machine) -> SequenceColumns {
+    let a = machine.axes.len();
+    let mut position: Vec<f64> = machine.axes.iter().map(|axis| axis.start).collect();
+    let mut columns = SequenceColumns { axes: a, start: position.clone(), ..SequenceColumns::default() };
+    let radius = |axis: &motion_kernel::machine::Axis| if axis.kind == AxisKind::Rotary { axis.effradius } else { f64::NAN };
+    columns.effradius = machine.axes.iter().map(radius).collect();
+    for (&line, instr) in program.lines.iter().zip(&program.code) {
+        let Instr::Spool(number) = instr else { continue };
+        let mv = &program.moves[*number as usize];
+        let axes = program.axes_of(mv);
+        let vias = program.vias_of(mv);
+        columns.via_first.push(columns.via_line.len() as u32);
+        columns.via_count.push(vias.len() as u32);
+        for via in vias {
+            columns.via_line.push(via.line);
+            let mut row = position.clone();
+            axes.iter().zip(program.via_targets(mv, via)).for_each(|(axis, v)| row[axis] = *v);
+            columns.via_target.extend(row);
+        }
+        axes.iter().zip(program.targets_of(mv)).for_each(|(axis, v)| position[axis] = *v);
+        let linear = mv.kind.is_linear();
+        columns.kind.push(u8::from(!linear));
+        columns.line.push(line);
+        columns.rapid.push(mv.rapid);
+        columns.target.extend_from_slice(&position);
+        columns.c1.push(if linear { 0 } else { axes.at(0) as u8 });
+        columns.c2.push(if linear { 0 } else { axes.at(1) as u8 });
+        columns.center.extend_from_slice(&mv.center);
+        columns.phi.push(mv.phi);
+        columns.vl.push(mv.vl);
+        columns.ac.push(mv.ac);
+        columns.tvl.push(mv.tvl);
+        columns.effradius_of.push(0);
+    }
+    columns
+}

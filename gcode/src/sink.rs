@@ -1,0 +1,352 @@
+//! The last station before autocode: merges short blocks (section 9, design D6), joins target velocities, writes.
+
+use motion_kernel::autocode::{Builder, HostEvent, Instr, Move, MoveKind, Program, Ssf, Via};
+use motion_kernel::axes::{AxisList, AxisSet};
+
+use crate::group::{ContourGroup, Point, SLOTS};
+
+/// A circle in the plane of two slots, in machine coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Circle {
+    pub slots: [usize; 2],
+    pub centre: [f64; 2],
+    /// Degrees, counter-clockwise positive.
+    pub sweep: f64,
+    pub radius: f64,
+}
+
+/// One motion as programmed, resolved to machine coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    pub line: u32,
+    pub rapid: bool,
+    /// Ends at standstill (G60, G61, G09).
+    pub exact: bool,
+    pub target: Point,
+    pub circle: Option<Circle>,
+    /// Path length, mm (design D7).
+    pub length: f64,
+    pub vl: f64,
+    pub ac: f64,
+    /// Chord tolerance for merging, mm.
+    pub tolerance: f64,
+    /// Distance of the motion from the line that replaces it (short arcs).
+    pub slack: f64,
+}
+
+/// A point that a merged line may pass over.
+#[derive(Clone, Copy, Debug)]
+struct Passed {
+    line: u32,
+    point: Point,
+    slack: f64,
+}
+
+/// Short lines waiting to become one.
+#[derive(Clone, Debug)]
+struct Run {
+    start: Point,
+    last: Motion,
+    passed: Vec<Passed>,
+    time: f64,
+    same_speed: bool,
+    deviation: f64,
+}
+
+/// What merging did, for the report (design 3.2).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Merged {
+    /// Blocks that were replaced.
+    pub blocks: u64,
+    pub max_mm: f64,
+}
+
+const MERGE_SAMPLES: f64 = 2.0;
+const LEAST_SAMPLES: f64 = 1.6;
+/// Bound on the work per block.
+const MAX_PASSED: usize = 256;
+
+/// The motion that has been written last, as long as nothing stops behind it.
+#[derive(Clone, Copy, Debug)]
+struct Previous {
+    vl: f64,
+    joins: bool,
+    tangent: Point,
+}
+
+pub struct Sink {
+    builder: Builder,
+    keep: bool,
+    group: ContourGroup,
+    list: u16,
+    circle_lists: Vec<([usize; 2], u16)>,
+    sample: f64,
+    look_ahead: bool,
+    position: Point,
+    run: Option<Run>,
+    spare: Vec<Passed>,
+    previous: Option<Previous>,
+    pub merged: Merged,
+    /// Lines of blocks that were slowed down (GW926), to be reported by the translator.
+    pub slowed: Vec<u32>,
+    pub motions: u64,
+    pub commands: u64,
+}
+
+impl Sink {
+    pub fn new(group: &ContourGroup, start_fill: u32, sample: f64, look_ahead: bool, keep: bool) -> Self {
+        let mut builder = Builder::new(group.set(), start_fill);
+        let list = builder.axis_list(AxisList::new(&group.axes.iter().map(|a| a.axis).collect::<Vec<_>>()));
+        Sink {
+            builder,
+            keep,
+            group: group.clone(),
+            list,
+            circle_lists: Vec::new(),
+            sample,
+            look_ahead,
+            position: group.start,
+            run: None,
+            spare: Vec::new(),
+            previous: None,
+            merged: Merged::default(),
+            slowed: Vec::new(),
+            motions: 0,
+            commands: 0,
+        }
+    }
+    pub fn first_axis(&self) -> usize {
+        self.group.axes[0].axis
+    }
+    pub fn set(&self) -> AxisSet {
+        self.group.set()
+    }
+    /// Nothing more is kept: an error was found.
+    pub fn drop_program(&mut self) {
+        if self.keep {
+            self.keep = false;
+            self.builder = Builder::new(self.group.set(), 0);
+        }
+    }
+
+    /// A motion of the program; `target` differs from the present position.
+    #[inline]
+    pub fn motion(&mut self, motion: Motion) {
+        let straight = motion.circle.is_none() && !motion.rapid && !motion.exact;
+        if straight && motion.length < MERGE_SAMPLES * self.sample * motion.vl {
+            self.short(motion);
+        } else {
+            self.flush();
+            self.write(motion, (0, 0));
+        }
+    }
+    fn short(&mut self, motion: Motion) {
+        let time = motion.length / motion.vl;
+        if let Some(run) = &mut self.run {
+            if let Some(deviation) = run.accepts(&motion, &self.group) {
+                run.extend(&motion, time, deviation);
+                let chord = self.group.distance(&run.start, &motion.target);
+                if chord >= MERGE_SAMPLES * self.sample * run.speed(chord) {
+                    self.flush();
+                }
+                return;
+            }
+            self.flush();
+        }
+        let mut passed = std::mem::take(&mut self.spare);
+        passed.clear();
+        let start = self.position;
+        self.run = Some(Run { start, last: motion, passed, time, same_speed: true, deviation: motion.slack });
+    }
+    /// Ends a run of short lines: a change of anything but the target closes it.
+    #[inline]
+    pub fn flush(&mut self) {
+        if let Some(run) = self.run.take() {
+            self.close(run);
+        }
+    }
+    fn close(&mut self, run: Run) {
+        let length = self.group.distance(&run.start, &run.last.target);
+        let motion = Motion { length, vl: run.speed(length), ..run.last };
+        self.merged.blocks += run.passed.len() as u64;
+        self.merged.max_mm = self.merged.max_mm.max(run.deviation);
+        let first = self.builder.via_count();
+        if self.keep {
+            for passed in &run.passed {
+                let target = self.builder.numbers(&passed.point[..self.group.len()]);
+                self.builder.via(Via { line: passed.line, target });
+            }
+        }
+        self.write(motion, (first, self.builder.via_count()));
+        self.spare = run.passed;
+    }
+
+    fn write(&mut self, motion: Motion, vias: (u32, u32)) {
+        let mut vl = motion.vl;
+        let least = LEAST_SAMPLES * self.sample;
+        if motion.length < least * vl {
+            vl = motion.length / least;
+            if !motion.rapid {
+                self.slowed.push(motion.line);
+            }
+        }
+        self.motions += 1;
+        self.commands += 1;
+        let tangents = if self.look_ahead { ([0.0; SLOTS], [0.0; SLOTS]) } else { self.tangents(&motion) };
+        if let Some(previous) = self.previous
+            && previous.joins
+            && !motion.rapid
+            && (self.look_ahead || is_smooth(&previous.tangent, &tangents.0))
+            && self.keep
+            && let Some(last) = self.builder.last_move_mut()
+        {
+            last.tvl = previous.vl.min(vl);
+        }
+        if self.keep {
+            self.emit(&motion, vl, vias);
+        }
+        self.previous = Some(Previous { vl, joins: !motion.rapid && !motion.exact, tangent: tangents.1 });
+        self.position = motion.target;
+    }
+    fn emit(&mut self, motion: &Motion, vl: f64, vias: (u32, u32)) {
+        let n = self.group.len();
+        let Motion { rapid, ac, line, .. } = *motion;
+        let Some(circle) = motion.circle else {
+            let target = self.builder.numbers(&motion.target[..n]);
+            let (kind, axes) = (MoveKind::Smla, self.list);
+            let mv = Move { kind, rapid, axes, target, vl, ac, tvl: 0.0, phi: 0.0, center: [0.0; 2], vias };
+            self.builder.spool(line, mv);
+            return;
+        };
+        let kind = if n == 2 { MoveKind::Smca } else { MoveKind::Smha };
+        let mut targets = [0.0; SLOTS];
+        for (to, slot) in targets.iter_mut().zip(order(circle.slots, n)) {
+            *to = motion.target[slot];
+        }
+        let axes = self.circle_list(circle.slots);
+        let target = self.builder.numbers(&targets[..n]);
+        let (phi, center) = (circle.sweep, circle.centre);
+        self.builder.spool(line, Move { kind, rapid, axes, target, vl, ac, tvl: 0.0, phi, center, vias });
+    }
+    /// The axis list (first, second plane axis, all others) of a circle.
+    fn circle_list(&mut self, slots: [usize; 2]) -> u16 {
+        if let Some(known) = self.circle_lists.iter().find(|l| l.0 == slots) {
+            return known.1;
+        }
+        let axes: Vec<usize> = order(slots, self.group.len()).map(|slot| self.group.axes[slot].axis).collect();
+        let list = self.builder.axis_list(AxisList::new(&axes));
+        self.circle_lists.push((slots, list));
+        list
+    }
+
+    /// Unit tangents at start and end (design D7).
+    fn tangents(&self, motion: &Motion) -> (Point, Point) {
+        let mut straight = [0.0; SLOTS];
+        for (slot, axis) in self.group.axes.iter().enumerate() {
+            straight[slot] = (motion.target[slot] - self.position[slot]) * axis.metric / motion.length;
+        }
+        let Some(circle) = motion.circle else { return (straight, straight) };
+        let [a, b] = circle.slots;
+        let at = |point: &Point| {
+            let mut tangent = straight;
+            let part = circle.sweep.to_radians() / motion.length;
+            tangent[a] = -(point[b] - circle.centre[1]) * part;
+            tangent[b] = (point[a] - circle.centre[0]) * part;
+            tangent
+        };
+        (at(&self.position), at(&motion.target))
+    }
+
+    /// The motion before this ends at standstill.
+    pub fn stop(&mut self) {
+        self.flush();
+        self.previous = None;
+    }
+    /// A spool function; `wait` functions need the motion before them to stop.
+    pub fn ssf(&mut self, line: u32, axes: AxisSet, command: u16, value: f64, wait: bool) {
+        if wait { self.stop() } else { self.flush() }
+        self.commands += 1;
+        if self.keep {
+            self.builder.ssf(line, Ssf { axes, command, value });
+        }
+    }
+    pub fn event(&mut self, line: u32, kind: &str, text: &str) {
+        self.flush();
+        self.commands += 1;
+        if self.keep {
+            let axis = self.first_axis();
+            self.builder.event(axis, HostEvent { line, kind: kind.to_owned(), text: text.to_owned() });
+        }
+    }
+    /// An instruction of the task itself, behind everything spooled so far.
+    pub fn instr(&mut self, line: u32, instr: Instr) {
+        self.flush();
+        self.commands += 1;
+        if self.keep {
+            self.builder.emit(line, instr);
+        }
+    }
+    /// A text of the pool.
+    pub fn text(&mut self, text: &str) -> u32 {
+        if self.keep { self.builder.text(text) } else { 0 }
+    }
+    /// A number of the pool.
+    pub fn number(&mut self, value: f64) -> u32 {
+        if self.keep { self.builder.numbers(&[value]) } else { 0 }
+    }
+    pub fn finish(self) -> Program {
+        self.builder.finish()
+    }
+}
+
+/// Slots in the order of a circle command.
+pub fn order(slots: [usize; 2], n: usize) -> impl Iterator<Item = usize> {
+    slots.into_iter().chain((0..n).filter(move |slot| !slots.contains(slot)))
+}
+
+/// Within one degree (corner.maxAngle without look-ahead).
+fn is_smooth(a: &Point, b: &Point) -> bool {
+    let cos: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+    cos >= 1f64.to_radians().cos()
+}
+
+impl Run {
+    fn speed(&self, length: f64) -> f64 {
+        if self.same_speed { self.last.vl } else { length / self.time }
+    }
+    /// The largest distance of a passed point from the chord to the new end, if that is within tolerance.
+    fn accepts(&self, motion: &Motion, group: &ContourGroup) -> Option<f64> {
+        if motion.tolerance != self.last.tolerance || motion.ac != self.last.ac || self.passed.len() >= MAX_PASSED {
+            return None;
+        }
+        let end = group.distance(&self.start, &motion.target);
+        if end == 0.0 {
+            return None;
+        }
+        let newest = Passed { line: self.last.line, point: self.last.target, slack: self.last.slack };
+        let (mut deviation, mut before) = (motion.slack, 0.0);
+        for passed in self.passed.iter().chain([&newest]) {
+            let (mut along, mut square) = (0.0, 0.0);
+            for (slot, axis) in group.axes.iter().enumerate() {
+                let d = (passed.point[slot] - self.start[slot]) * axis.metric;
+                along += d * (motion.target[slot] - self.start[slot]) * axis.metric;
+                square += d * d;
+            }
+            along /= end;
+            let distance = (square - along * along).max(0.0).sqrt() + passed.slack.max(motion.slack);
+            if distance > motion.tolerance || along < before || along > end {
+                return None;
+            }
+            before = along;
+            deviation = distance.max(deviation);
+        }
+        Some(deviation)
+    }
+    fn extend(&mut self, motion: &Motion, time: f64, deviation: f64) {
+        self.passed.push(Passed { line: self.last.line, point: self.last.target, slack: self.last.slack });
+        self.same_speed &= motion.vl == self.last.vl;
+        self.last = *motion;
+        self.time += time;
+        self.deviation = self.deviation.max(deviation);
+    }
+}
