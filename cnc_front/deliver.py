@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from cnc_front.errors import UsageError
 from cnc_front.jobs import CompiledJob
 from cnc_front.run import RunOptions, RunResult, dry_run
 from cnc_front.verdict import Verdict, judge, run_object
@@ -27,4 +28,4 @@ def run_and_write(
 
 def report_from_recording(recording: str, folder: Path, language: str) -> None:
     """Builds the report of a recorded run; the figures are computed again from its columns."""
-    raise NotImplementedError
+    raise UsageError("reports from recordings are not there yet")

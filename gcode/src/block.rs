@@ -76,11 +76,30 @@ pub enum OWord {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Statement {
     /// `IF [..] GOTO n` and `GOTO n`.
-    Goto { taken: bool, target: f64, span: Span },
-    While { condition: bool, level: u8, span: Span },
-    End { level: u8, span: Span },
-    Write { items: Vec<Item>, line: bool },
-    OWord { label: String, word: OWord, arguments: Vec<f64>, span: Span },
+    Goto {
+        taken: bool,
+        target: f64,
+        span: Span,
+    },
+    While {
+        condition: bool,
+        level: u8,
+        span: Span,
+    },
+    End {
+        level: u8,
+        span: Span,
+    },
+    Write {
+        items: Vec<Item>,
+        line: bool,
+    },
+    OWord {
+        label: String,
+        word: OWord,
+        arguments: Vec<f64>,
+        span: Span,
+    },
     /// `IF [..] THEN` whose condition is false, or an assignment: nothing more to do.
     Done,
 }
@@ -180,9 +199,7 @@ impl Block {
     /// A word that must be a whole number only in this use (GC210).
     pub fn whole(&self, letter: u8) -> Check<Option<i64>> {
         match self.word(letter) {
-            Some(w) if w.value.fract() != 0.0 => {
-                Err(Fault::with(Id::GC210, w.span, &[&char::from(letter), &w.value]))
-            }
+            Some(w) if w.value.fract() != 0.0 => Err(Fault::with(Id::GC210, w.span, &[&char::from(letter), &w.value])),
             Some(w) => Ok(Some(w.value as i64)),
             None => Ok(None),
         }

@@ -49,7 +49,8 @@ impl Translator<'_> {
     }
     /// Sticky words, new ones replacing the old.
     fn cycle_words(&mut self, block: &Block, code: u16, slot: usize, normal: u8) -> Check<CycleWords> {
-        let mut words = self.state.cycle.unwrap_or(CycleWords { initial: self.state.program[slot], ..Default::default() });
+        let mut words =
+            self.state.cycle.unwrap_or(CycleWords { initial: self.state.program[slot], ..Default::default() });
         if block.has(normal) {
             words.bottom = Some(self.coordinate(block, normal, slot));
         }

@@ -182,7 +182,11 @@ impl<'a, 'e> Reader<'a, 'e> {
         let at = self.pos + skipped;
         let word = self.letters(at, false);
         let found = OPERATORS.iter().find(|(text, ..)| {
-            if word.is_empty() { self.text[at..].starts_with(text.as_bytes()) } else { word.eq_ignore_ascii_case(text.as_bytes()) }
+            if word.is_empty() {
+                self.text[at..].starts_with(text.as_bytes())
+            } else {
+                word.eq_ignore_ascii_case(text.as_bytes())
+            }
         });
         found.map(|&(text, op, precedence)| (op, precedence, at, text.len()))
     }

@@ -189,7 +189,11 @@ impl Translator<'_> {
     /// M62..M65: output P on or off, in step with motion.
     fn output(&mut self, block: &Block, m: u16, span: Span, outputs: &mut Outputs) -> Check<()> {
         let bit = 1 << self.line_number(block, span)?;
-        if m % 2 == 0 { outputs.put(bit, 0) } else { outputs.put(0, bit) }
+        if m % 2 == 0 {
+            outputs.put(bit, 0)
+        } else {
+            outputs.put(0, bit)
+        }
         if m >= 64 {
             self.faults.push(Fault::new(Id::GW931, span));
         }
@@ -311,7 +315,8 @@ impl Translator<'_> {
             self.used |= mask("PL");
             let Some(p) = block.whole(b'P')? else { return Err(Fault::new(Id::GC612, m.span)) };
             let count = block.integer(b'L').unwrap_or(1);
-            let (name, count) = if !block.has(b'L') && p >= 10000 { (p % 10000, (p / 10000) as u32) } else { (p, count) };
+            let (name, count) =
+                if !block.has(b'L') && p >= 10000 { (p % 10000, (p / 10000) as u32) } else { (p, count) };
             return self.counted(block, name.to_string(), count, m.span).map(Some);
         }
         if let Some((name, span)) = &block.call_name {

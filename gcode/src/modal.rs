@@ -175,18 +175,54 @@ impl State {
                 MotionMode::None => 80.0,
             },
             2 => f64::from(m.plane.g()),
-            3 => if m.incremental { 91.0 } else { 90.0 },
+            3 => {
+                if m.incremental {
+                    91.0
+                } else {
+                    90.0
+                }
+            }
             5 => match m.feed_mode {
                 FeedMode::InverseTime => 93.0,
                 FeedMode::PerMinute => 94.0,
                 FeedMode::PerRevolution => 95.0,
             },
-            6 => if m.inch { 20.0 } else { 21.0 },
+            6 => {
+                if m.inch {
+                    20.0
+                } else {
+                    21.0
+                }
+            }
             7 => f64::from(m.correction),
-            8 => if self.frame.length.is_some() { 43.0 } else { 49.0 },
-            9 => if m.exact { 61.0 } else { 64.0 },
-            10 => if m.return_to_r { 99.0 } else { 98.0 },
-            12 => if m.cutting_speed { 96.0 } else { 97.0 },
+            8 => {
+                if self.frame.length.is_some() {
+                    43.0
+                } else {
+                    49.0
+                }
+            }
+            9 => {
+                if m.exact {
+                    61.0
+                } else {
+                    64.0
+                }
+            }
+            10 => {
+                if m.return_to_r {
+                    99.0
+                } else {
+                    98.0
+                }
+            }
+            12 => {
+                if m.cutting_speed {
+                    96.0
+                } else {
+                    97.0
+                }
+            }
             _ => return None,
         })
     }

@@ -20,7 +20,9 @@ impl Translator<'_> {
                 let args: [&dyn std::fmt::Display; 4] = [&block.value(b'P').unwrap_or(0.0), &'P', &1, &48];
                 Zero::Extra(p.ok_or_else(|| Fault::with(Id::GC216, block.span_of(b'P'), &args))? as u32)
             }
-            580 | 590 if block.has_any(AXIS_LETTERS) && block.code_of(Group::Motion).is_none() && block.g.len() == 1 => {
+            580 | 590
+                if block.has_any(AXIS_LETTERS) && block.code_of(Group::Motion).is_none() && block.g.len() == 1 =>
+            {
                 return Err(Fault::with(Id::GC316, g.span, &[&number(g.code.tenths)]));
             }
             tenths => Zero::Work(usize::from(tenths / 10 - 54)),
@@ -215,7 +217,8 @@ impl Translator<'_> {
             if word.value == 0.0 {
                 return Err(Fault::new(Id::GC403, word.span));
             }
-            let axes = if letter == b'P' { &b"XYZUVW"[..] } else { std::slice::from_ref(&b"XYZ"[usize::from(letter - b'I')]) };
+            let axes =
+                if letter == b'P' { &b"XYZUVW"[..] } else { std::slice::from_ref(&b"XYZ"[usize::from(letter - b'I')]) };
             for slot in axes.iter().filter_map(|l| self.group.slot(*l)) {
                 scale.factor[slot] = word.value;
             }

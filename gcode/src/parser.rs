@@ -25,32 +25,32 @@ const fn rule(signed: bool, integer: bool, low: f64, high: f64) -> Rule {
 const RULES: [Rule; 26] = {
     const C: Rule = rule(true, false, -1e7, 1e7);
     [
-        C,                                 // A
-        C,                                 // B
-        C,                                 // C
-        rule(false, true, 0.0, 9999.0),    // D
-        rule(true, false, -1e6, 1e6),      // E
-        rule(true, false, -1e6, 1e6),      // F, sign: GC504
-        rule(false, false, 0.0, 999.9),    // G
-        rule(false, true, 0.0, 9999.0),    // H
-        C,                                 // I
-        C,                                 // J
-        C,                                 // K
+        C,                                  // A
+        C,                                  // B
+        C,                                  // C
+        rule(false, true, 0.0, 9999.0),     // D
+        rule(true, false, -1e6, 1e6),       // E
+        rule(true, false, -1e6, 1e6),       // F, sign: GC504
+        rule(false, false, 0.0, 999.9),     // G
+        rule(false, true, 0.0, 9999.0),     // H
+        C,                                  // I
+        C,                                  // J
+        C,                                  // K
         rule(false, true, 0.0, 99999999.0), // L
-        rule(false, true, 0.0, 999.0),     // M
+        rule(false, true, 0.0, 999.0),      // M
         rule(false, true, 0.0, 99999999.0), // N
         rule(false, true, 0.0, 99999999.0), // O
-        rule(true, false, -1e9, 1e9),      // P, per function
-        C,                                 // Q, sign: GC416
-        C,                                 // R
-        rule(false, false, 0.0, 1e6),      // S
+        rule(true, false, -1e9, 1e9),       // P, per function
+        C,                                  // Q, sign: GC416
+        C,                                  // R
+        rule(false, false, 0.0, 1e6),       // S
         rule(false, true, 0.0, 99999999.0), // T
-        C,                                 // U
-        C,                                 // V
-        C,                                 // W
-        C,                                 // X
-        C,                                 // Y
-        C,                                 // Z
+        C,                                  // U
+        C,                                  // V
+        C,                                  // W
+        C,                                  // X
+        C,                                  // Y
+        C,                                  // Z
     ]
 };
 
@@ -374,7 +374,8 @@ impl Parser<'_, '_, '_> {
         }
         let mut end = at + word.len();
         let digits = self.r.text[end..].iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_').count();
-        let equals = end + digits + self.r.text[end + digits..].iter().take_while(|b| matches!(b, b' ' | b'\t')).count();
+        let equals =
+            end + digits + self.r.text[end + digits..].iter().take_while(|b| matches!(b, b' ' | b'\t')).count();
         if self.r.at(equals) == b'=' && self.r.at(equals + 1) != b'=' {
             let name = String::from_utf8_lossy(&self.r.text[at..end + digits]).into_owned();
             if digits > 0 {
@@ -383,7 +384,8 @@ impl Parser<'_, '_, '_> {
             self.r.pos = end;
             return self.assignment(Variable::Name(crate::expression::short(&name)), at);
         }
-        while matches!(self.r.at(end), b'0'..=b'9' | b'.' | b'-' | b'+' | b'_') || self.r.at(end).is_ascii_alphabetic() {
+        while matches!(self.r.at(end), b'0'..=b'9' | b'.' | b'-' | b'+' | b'_') || self.r.at(end).is_ascii_alphabetic()
+        {
             end += 1;
         }
         let text = String::from_utf8_lossy(word).into_owned();

@@ -99,7 +99,13 @@ struct Told {
 }
 
 impl<'t, 'm, 's> Run<'t, 'm, 's> {
-    fn new(t: &'t mut Translator<'m>, reports: &'t mut Reports, source: &'s [u8], filename: &'s str, files: &'s Files) -> Self {
+    fn new(
+        t: &'t mut Translator<'m>,
+        reports: &'t mut Reports,
+        source: &'s [u8],
+        filename: &'s str,
+        files: &'s Files,
+    ) -> Self {
         let variables = Variables::new(t.dialect.vacant_zero, t.dialect.oword);
         Run {
             flows: Flows::new(source, filename, files, t.options),
@@ -228,7 +234,9 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         if !self.t.faults.is_empty() || !self.t.sink.slowed.is_empty() {
             self.settle(line, text);
         }
-        if self.t.facts.blocks + self.flows.scanned > self.t.options.limits.blocks || self.t.sink.commands > self.t.options.limits.commands {
+        if self.t.facts.blocks + self.flows.scanned > self.t.options.limits.blocks
+            || self.t.sink.commands > self.t.options.limits.commands
+        {
             let limit = self.t.options.limits.blocks;
             self.report(line, text, &Fault::with(Id::GC602, block.span, &[&limit]));
             self.t.sink.drop_program();

@@ -45,7 +45,8 @@ pub fn sequence(program: &Program, machine: &Machine) -> SequenceColumns {
     let a = machine.axes.len();
     let mut position: Vec<f64> = machine.axes.iter().map(|axis| axis.start).collect();
     let mut columns = SequenceColumns { axes: a, start: position.clone(), ..SequenceColumns::default() };
-    let radius = |axis: &motion_kernel::machine::Axis| if axis.kind == AxisKind::Rotary { axis.effradius } else { f64::NAN };
+    let radius =
+        |axis: &motion_kernel::machine::Axis| if axis.kind == AxisKind::Rotary { axis.effradius } else { f64::NAN };
     columns.effradius = machine.axes.iter().map(radius).collect();
     for (&line, instr) in program.lines.iter().zip(&program.code) {
         let Instr::Spool(number) = instr else { continue };

@@ -264,7 +264,11 @@ impl Sink {
     }
     /// A spool function; `wait` functions need the motion before them to stop.
     pub fn ssf(&mut self, line: u32, axes: AxisSet, command: u16, value: f64, wait: bool) {
-        if wait { self.stop() } else { self.flush() }
+        if wait {
+            self.stop()
+        } else {
+            self.flush()
+        }
         self.commands += 1;
         if self.keep {
             self.builder.ssf(line, Ssf { axes, command, value });

@@ -284,7 +284,11 @@ impl<'a> Translator<'a> {
             let number = block.integer(b'H').unwrap_or(self.state.modal.in_spindle);
             let tool = self.machine.gcode.tools.iter().find(|t| t.number == number);
             let missing = || Fault::with(Id::GC509, block.word(b'H').map_or(g.span, |w| w.span), &[&number]);
-            length = if number == 0 { 0.0 } else { self.tool_length(number).or(tool.map(|t| t.length)).ok_or_else(missing)? };
+            length = if number == 0 {
+                0.0
+            } else {
+                self.tool_length(number).or(tool.map(|t| t.length)).ok_or_else(missing)?
+            };
         }
         let normal = self.state.modal.plane.letters().1;
         let signed = if g.code.tenths == 440 { -length } else { length };
@@ -322,7 +326,11 @@ impl<'a> Translator<'a> {
     /// Numbers without point are least increments, if the dialect says so.
     #[inline]
     pub(crate) fn increments(&self, value: f64, integer_form: bool) -> f64 {
-        if integer_form && self.dialect.integer_increment > 0.0 { value * self.dialect.integer_increment } else { value }
+        if integer_form && self.dialect.integer_increment > 0.0 {
+            value * self.dialect.integer_increment
+        } else {
+            value
+        }
     }
     /// An axis word as a program coordinate: mm or degrees.
     #[inline]
@@ -423,7 +431,9 @@ impl<'a> Translator<'a> {
         let axes = block.has_any(AXIS_LETTERS);
         match self.state.modal.motion {
             MotionMode::Rapid | MotionMode::Line if axes => self.straight(block),
-            MotionMode::Clockwise | MotionMode::CounterClockwise if axes || block.has_any(CENTRE_LETTERS | bit(b'R')) => {
+            MotionMode::Clockwise | MotionMode::CounterClockwise
+                if axes || block.has_any(CENTRE_LETTERS | bit(b'R')) =>
+            {
                 self.circular(block)
             }
             MotionMode::Cycle(code) if axes || block.has_group(Group::Motion) => self.cycle(block, code),

@@ -15,6 +15,8 @@ use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::program::Program;
+
 pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("MachineError", module.py().get_type::<MachineError>())?;
     module.add_class::<Machine>()?;
@@ -210,6 +212,12 @@ impl Mcu {
     #[new]
     fn new(machine: &Machine) -> Mcu {
         Mcu { kernel: Kernel::new(machine.inner.clone()) }
+    }
+
+    /// Loads a program into a task (0..3); startcnct starts it.
+    fn load(&mut self, task: usize, program: &Program) -> PyResult<()> {
+        self.kernel.load(known_task(task)?, program.inner.clone());
+        Ok(())
     }
 
     fn axis_count(&self) -> usize {

@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 
 mod kernel;
 mod paths;
+mod program;
 
 /// Adds a submodule and makes `from cnc_front._native.NAME import X` work.
 fn submodule(parent: &Bound<'_, PyModule>, name: &str, fill: fn(&Bound<'_, PyModule>) -> PyResult<()>) -> PyResult<()> {
@@ -17,5 +18,6 @@ fn submodule(parent: &Bound<'_, PyModule>, name: &str, fill: fn(&Bound<'_, PyMod
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     submodule(module, "motion_kernel", kernel::fill)?;
+    submodule(module, "gcode", program::fill)?;
     submodule(module, "toolpaths", paths::fill)
 }

@@ -1,0 +1,149 @@
+//! `cnc_front._native.gcode`: part programs compiled to autocode.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use gcode::{Compiled, Library, Options};
+use motion_kernel::autocode;
+use motion_kernel::machine::{self, Profile};
+use numpy::{IntoPyArray, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::kernel::{Machine, Row};
+
+pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Program>()?;
+    module.add_function(wrap_pyfunction!(compile, module)?)
+}
+
+/// A compiled program and what is known about it.
+#[pyclass(frozen, module = "cnc_front._native.gcode")]
+pub struct Program {
+    pub inner: Arc<autocode::Program>,
+    machine: Arc<machine::Machine>,
+}
+
+/// Compiles a part program: (Program or None, diagnostics, facts). Diagnostics are rows of
+/// (file, line, column, end_column, id, message, hint). Options: profile, optional_stop, block_delete (list of
+/// levels), check_only, library (folder of subprograms).
+#[pyfunction]
+#[pyo3(signature = (source, filename, machine, *, profile=None, optional_stop=false, block_delete=Vec::new(), check_only=false, library=None))]
+#[allow(clippy::too_many_arguments)] // keyword options of one call
+fn compile<'py>(
+    py: Python<'py>,
+    source: &[u8],
+    filename: &str,
+    machine: &Machine,
+    profile: Option<&str>,
+    optional_stop: bool,
+    block_delete: Vec<u8>,
+    check_only: bool,
+    library: Option<PathBuf>,
+) -> PyResult<(Option<Program>, Vec<Row>, Bound<'py, PyDict>)> {
+    let options = Options {
+        profile: profile.map(profile_of).transpose()?,
+        optional_stop,
+        block_delete: block_delete.iter().filter(|&&level| level < 10).fold(0, |bits, level| bits | 1 << level),
+        check_only,
+        library: library.map(folder),
+        ..Options::default()
+    };
+    let target = machine.inner.clone();
+    let compiled = py.detach(|| gcode::compile(source, filename, &target, &options));
+    let facts = facts_dict(py, &compiled, &target)?;
+    let row = |d: gcode::Diagnostic| -> Row {
+        (d.file, d.line, d.column, d.end_column, d.id.to_owned(), d.message, d.hint.to_owned())
+    };
+    let rows = compiled.diagnostics.into_iter().map(row).collect();
+    let program = compiled.program.map(|inner| Program { inner: Arc::new(inner), machine: target });
+    Ok((program, rows, facts))
+}
+
+fn profile_of(name: &str) -> PyResult<Profile> {
+    match name {
+        "din" => Ok(Profile::Din),
+        "fanuc" => Ok(Profile::Fanuc),
+        "linuxcnc" => Ok(Profile::Linuxcnc),
+        "lathe" => Ok(Profile::Lathe),
+        _ => Err(PyValueError::new_err("profile is din, fanuc, linuxcnc or lathe")),
+    }
+}
+
+/// Subprograms in the folder of the program; names never leave it (GC604).
+fn folder(folder: PathBuf) -> Library {
+    Arc::new(move |name: &str| {
+        let plain = Path::new(name).file_name().is_some_and(|last| last == name);
+        let file = folder.join(name);
+        (plain && file.is_file()).then(|| std::fs::read(file).ok()).flatten()
+    })
+}
+
+fn facts_dict<'py>(py: Python<'py>, compiled: &Compiled, machine: &machine::Machine) -> PyResult<Bound<'py, PyDict>> {
+    let facts = &compiled.facts;
+    let dict = PyDict::new(py);
+    dict.set_item("lines", facts.lines)?;
+    dict.set_item("blocks", facts.blocks)?;
+    dict.set_item("motion_blocks", facts.motion_blocks)?;
+    dict.set_item("tools", facts.tools.clone())?;
+    dict.set_item("modal", facts.modal.clone())?;
+    dict.set_item("feeds", facts.feeds.clone())?;
+    dict.set_item("more_warnings", compiled.more_warnings)?;
+    let extents = PyDict::new(py);
+    let group = machine.group();
+    for (slot, axis) in group.iter().enumerate().take(facts.low.len()) {
+        extents.set_item(&machine.axes[axis].name, (facts.low[slot], facts.high[slot]))?;
+    }
+    dict.set_item("extents", extents)?;
+    Ok(dict)
+}
+
+#[pymethods]
+impl Program {
+    /// Motion commands and spool functions per name, in the order of the manual.
+    fn counts(&self) -> Vec<(&'static str, usize)> {
+        let of = |kind: autocode::MoveKind| self.inner.moves.iter().filter(|m| m.kind == kind).count();
+        let mut counts: Vec<_> = autocode::MoveKind::ALL.into_iter().map(|k| (k.name(), of(k))).collect();
+        counts.push(("ssf", self.inner.ssfs.iter().map(|s| s.axes.len()).sum()));
+        counts
+    }
+    /// Host events: (line, kind, text), numbered as the kernel's "host" events.
+    fn events(&self) -> Vec<(u32, String, String)> {
+        self.inner.events.iter().map(|e| (e.line, e.kind.clone(), e.text.clone())).collect()
+    }
+    /// JSON Lines of design 3.3, or the table for people.
+    fn listing(&self, json: bool) -> Vec<String> {
+        if json {
+            gcode::listing_json(&self.inner, &self.machine).collect()
+        } else {
+            gcode::listing_text(&self.inner, &self.machine).collect()
+        }
+    }
+    /// The motion commands as columns (see gcode::SequenceColumns).
+    fn sequence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let columns = py.detach(|| gcode::sequence(&self.inner, &self.machine));
+        let (n, a, m) = (columns.kind.len(), columns.axes, columns.via_line.len());
+        let rows = columns.effradius.len() / a.max(1);
+        let dict = PyDict::new(py);
+        dict.set_item("start", columns.start.into_pyarray(py))?;
+        dict.set_item("kind", columns.kind.into_pyarray(py))?;
+        dict.set_item("line", columns.line.into_pyarray(py))?;
+        dict.set_item("rapid", columns.rapid.into_pyarray(py))?;
+        dict.set_item("target", columns.target.into_pyarray(py).reshape([n, a])?)?;
+        dict.set_item("c1", columns.c1.into_pyarray(py))?;
+        dict.set_item("c2", columns.c2.into_pyarray(py))?;
+        dict.set_item("center", columns.center.into_pyarray(py).reshape([n, 2])?)?;
+        dict.set_item("phi", columns.phi.into_pyarray(py))?;
+        dict.set_item("vl", columns.vl.into_pyarray(py))?;
+        dict.set_item("ac", columns.ac.into_pyarray(py))?;
+        dict.set_item("tvl", columns.tvl.into_pyarray(py))?;
+        dict.set_item("via_first", columns.via_first.into_pyarray(py))?;
+        dict.set_item("via_count", columns.via_count.into_pyarray(py))?;
+        dict.set_item("via_line", columns.via_line.into_pyarray(py))?;
+        dict.set_item("via_target", columns.via_target.into_pyarray(py).reshape([m, a])?)?;
+        dict.set_item("effradius", columns.effradius.into_pyarray(py).reshape([rows, a])?)?;
+        dict.set_item("effradius_of", columns.effradius_of.into_pyarray(py))?;
+        Ok(dict)
+    }
+}
