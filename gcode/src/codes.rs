@@ -175,7 +175,7 @@ pub const G_CODES: &[(u16, Group, Decision)] = &[
 /// Looks a G code up; unknown ones are refused with GC305.
 #[inline]
 pub fn g_code(tenths: u16) -> GCode {
-    if tenths <= 30 && tenths % 10 == 0 {
+    if tenths <= 30 && tenths.is_multiple_of(10) {
         return GCode { tenths, group: Motion, decision: Yes };
     }
     match G_CODES.binary_search_by_key(&tenths, |row| row.0) {
@@ -186,7 +186,7 @@ pub fn g_code(tenths: u16) -> GCode {
 
 /// The number as people write it: 911 -> "91.1".
 pub fn number(tenths: u16) -> String {
-    if tenths % 10 == 0 { format!("{}", tenths / 10) } else { format!("{}.{}", tenths / 10, tenths % 10) }
+    if tenths.is_multiple_of(10) { format!("{}", tenths / 10) } else { format!("{}.{}", tenths / 10, tenths % 10) }
 }
 
 /// Groups of M codes (two members in one block: GC302, M07 with M08 excepted).

@@ -8,7 +8,7 @@ use motion_kernel::machine::{DwellUnit, Machine, Profile};
 pub type Library = Arc<dyn Fn(&str) -> Option<Vec<u8>> + Send + Sync>;
 
 /// How a program is to be compiled. `Options::default()` is what `run` and `check` use.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Options {
     /// Dialect profile; `None`: that of the machine file.
     pub profile: Option<Profile>,
@@ -37,19 +37,6 @@ pub struct Limits {
 impl Default for Limits {
     fn default() -> Self {
         Limits { bytes: 256 << 20, errors: 100, blocks: 100_000_000, calls: 10, commands: 20_000_000 }
-    }
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Options {
-            profile: None,
-            optional_stop: false,
-            block_delete: 0,
-            check_only: false,
-            library: None,
-            limits: Limits::default(),
-        }
     }
 }
 

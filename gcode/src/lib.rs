@@ -4,6 +4,9 @@
 //! ([`translate`]) -> merging and junctions ([`sink`]) -> autocode. The crate knows no axis state,
 //! only modal state; dynamics live in the kernel (design D22).
 
+// several points and tables run in parallel by slot
+#![allow(clippy::needless_range_loop)]
+
 pub mod arc;
 pub mod block;
 mod catalogue;
