@@ -43,7 +43,12 @@ impl AxisSet {
     }
     /// Indices in ascending order.
     pub fn iter(self) -> impl Iterator<Item = usize> {
-        (0..MAX_AXES).filter(move |&a| self.contains(a))
+        let mut left = self.0;
+        std::iter::from_fn(move || {
+            let axis = left.trailing_zeros() as usize;
+            left &= left.wrapping_sub(1);
+            (axis < u32::BITS as usize).then_some(axis)
+        })
     }
 }
 

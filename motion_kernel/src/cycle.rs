@@ -144,7 +144,7 @@ impl Mcu {
         let start_v = self.start_velocity(a, slot);
         let looks_ahead = self.registers.modereg.has(ModeReg::LookAhead);
         let bound = self.lookahead.plan(&mut self.moves, slot, self.registers.lookahead_depth);
-        let mv = self.moves[slot];
+        let mv = &self.moves[slot];
         let mut request = Request {
             from: mv.from,
             to: mv.to,

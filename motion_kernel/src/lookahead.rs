@@ -7,7 +7,7 @@
 //! linked through the moves), so a move costs amortised constant time however deep the spooler is. This is
 //! the backward pass; the forward pass happens when a move starts and its start speed is known.
 
-use crate::axes::{AxisSet, MAX_AXES};
+use crate::axes::MAX_AXES;
 use crate::spooler::{Moves, NONE};
 
 /// Unit tangents per axis in the metric of design D7: travel per path length.
@@ -43,14 +43,6 @@ pub struct Lookahead {
     free: Vec<u32>,
 }
 
-/// Highest speed at a junction: no axis may change its speed by more than its mdvel (0 = not watched).
-pub fn junction_v(before: &Tangent, after: &Tangent, mdvel: &[f64], axes: AxisSet) -> f64 {
-    axes.iter().fold(f64::INFINITY, |limit, a| {
-        let change = (after[a] - before[a]).abs();
-        if mdvel[a] > 0.0 && change > 1e-12 { limit.min(mdvel[a] / change) } else { limit }
-    })
-}
-
 impl Lookahead {
     pub fn with_capacity(capacity: usize) -> Self {
         Lookahead { chains: Vec::with_capacity(capacity), free: Vec::with_capacity(capacity) }
@@ -62,8 +54,9 @@ impl Lookahead {
         (chain.last == slot).then_some(&chain.end_tangent)
     }
 
-    /// Adds a new move behind `after`, or as the first of a new chain. Its `junction_v2` is set.
-    pub fn append(&mut self, moves: &mut Moves, slot: u32, after: Option<u32>, end_tangent: &Tangent) {
+    /// Adds a new move behind `after`, or as the first of a new chain. Its `junction_v2` is set. Returns the
+    /// tangent at the end of the chain, to be overwritten with that of the new move.
+    pub fn append(&mut self, moves: &mut Moves, slot: u32, after: Option<u32>) -> &mut Tangent {
         let id = match after {
             Some(previous) => moves[previous].chain,
             None => self.new_chain(),
@@ -74,7 +67,6 @@ impl Lookahead {
         mv.prefix_v2 = chain.end_prefix_v2;
         (mv.next, mv.previous) = (NONE, NONE);
         chain.end_prefix_v2 += 2.0 * mv.ac * (mv.to - mv.from);
-        chain.end_tangent = *end_tangent;
         chain.live += 1;
         if chain.first == NONE {
             chain.first = slot;
@@ -85,6 +77,7 @@ impl Lookahead {
         }
         chain.last = slot;
         queue_push(chain, moves, slot);
+        &mut chain.end_tangent
     }
 
     /// Takes `slot` out of what is still to plan and returns the bound at its end.

@@ -7,6 +7,7 @@ use crate::axes::{AxisSet, MAX_AXES};
 use crate::axis::{Axis, Doing, Wait};
 use crate::lookahead::Lookahead;
 use crate::machine::Machine;
+use crate::path::Component;
 use crate::position_loop::PositionLoop;
 use crate::registers::{Axst, ErrorReg, ModeReg};
 use crate::spooler::{BYTES_LINEAR, Move, Moves, NONE, SpoolState};
@@ -104,6 +105,8 @@ pub struct Mcu {
     pub(crate) commands: u32,
     pub(crate) events: Events,
     pub(crate) cache: PointCache,
+    /// Courses of the command being spooled.
+    pub(crate) components: Vec<Component>,
     pub(crate) holding: bool,
     pub(crate) told: Told,
     /// Samples for which all axes have been in position after the end; needed and longest wait for it.
@@ -150,6 +153,7 @@ impl Mcu {
             commands: 0,
             events: Events::default(),
             cache: PointCache { slot: NONE, t: 0.0, v: 0.0, point: crate::path::Point::default() },
+            components: Vec::with_capacity(MAX_AXES),
             holding: false,
             told: Told::default(),
             settled: 0,
@@ -291,13 +295,5 @@ impl Mcu {
             Doing::Move(slot) => Some(&self.moves[slot]),
             _ => None,
         }
-    }
-
-    pub(crate) fn mdvel(&self) -> [f64; MAX_AXES] {
-        let mut mdvel = [0.0; MAX_AXES];
-        for (slot, axis) in mdvel.iter_mut().zip(&self.axes) {
-            *slot = axis.parameters.mdvel;
-        }
-        mdvel
     }
 }

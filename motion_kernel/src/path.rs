@@ -4,7 +4,7 @@
 //! its mm, a rotary axis radius times angle. Each axis keeps its own component, in axis units, so that
 //! it can be evaluated on the clock of that axis.
 
-use crate::axes::{AxisList, AxisSet, MAX_AXES};
+use crate::axes::{AxisList, AxisSet};
 
 /// Below this length (mm) a path or a radius counts as nothing (ErrorReg bits 15 and 16).
 pub const NOTHING: f64 = 1e-9;
@@ -44,15 +44,15 @@ impl Component {
     }
 }
 
-/// A move in space: its length, and a component per axis of the command, in command order.
-#[derive(Clone, Copy, Debug)]
+/// A move in space: its length and curvature. The courses of its axes are written to a buffer of the caller, one
+/// per axis of the command, in command order.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry {
     pub length: f64,
     /// Radians travelled per path length, signed; 0 for lines.
     pub curvature: f64,
     /// Radius in the circle plane; 0 for lines.
     pub radius: f64,
-    pub components: [Component; MAX_AXES],
 }
 
 /// Why a command describes no path.
@@ -103,7 +103,7 @@ pub fn point(s: f64, curvature: f64) -> Point {
 }
 
 /// A straight line in any number of axes (2.3.1); an axis without travel takes part formally.
-pub fn line(ends: &Ends) -> Result<Geometry, NoPath> {
+pub fn line(ends: &Ends, components: &mut Vec<Component>) -> Result<Geometry, NoPath> {
     let length = ends.length(0);
     if !length.is_finite() {
         return Err(NoPath::Center);
@@ -111,16 +111,14 @@ pub fn line(ends: &Ends) -> Result<Geometry, NoPath> {
     if length <= NOTHING {
         return Err(NoPath::Zero);
     }
-    let mut geometry = Geometry { length, curvature: 0.0, radius: 0.0, components: [Component::default(); MAX_AXES] };
-    for i in 0..ends.list.len() {
-        geometry.components[i] = Component::line(ends.start[i], ends.target[i], length);
-    }
-    Ok(geometry)
+    components.clear();
+    components.extend((0..ends.list.len()).map(|i| Component::line(ends.start[i], ends.target[i], length)));
+    Ok(Geometry { length, curvature: 0.0, radius: 0.0 })
 }
 
 /// A circle of the first two axes around `center`, `phi` degrees; further axes run linearly (2.3.2, 2.3.3).
 /// The end of the circle axes follows from centre and angle, not from `target`.
-pub fn circle(ends: &Ends, center: [f64; 2], phi: f64) -> Result<Geometry, NoPath> {
+pub fn circle(ends: &Ends, center: [f64; 2], phi: f64, components: &mut Vec<Component>) -> Result<Geometry, NoPath> {
     let (sx, sy) = (ends.scale[0], ends.scale[1]);
     let (rx, ry) = ((ends.start[0] - center[0]) * sx, (ends.start[1] - center[1]) * sy);
     let radius = rx.hypot(ry);
@@ -139,14 +137,12 @@ pub fn circle(ends: &Ends, center: [f64; 2], phi: f64) -> Result<Geometry, NoPat
         return Err(NoPath::Zero);
     }
     let (sin, cos) = angle.sin_cos();
-    let mut components = [Component::default(); MAX_AXES];
     let plane = |base: f64, p: f64, q: f64| Component { circle: true, base, p, q, target: base + p * cos + q * sin };
-    components[0] = plane(center[0], rx / sx, -ry / sx);
-    components[1] = plane(center[1], ry / sy, rx / sy);
-    for (i, component) in components.iter_mut().enumerate().take(ends.list.len()).skip(2) {
-        *component = Component::line(ends.start[i], ends.target[i], length);
-    }
-    Ok(Geometry { length, curvature: angle / length, radius, components })
+    components.clear();
+    components.push(plane(center[0], rx / sx, -ry / sx));
+    components.push(plane(center[1], ry / sy, rx / sy));
+    components.extend((2..ends.list.len()).map(|i| Component::line(ends.start[i], ends.target[i], length)));
+    Ok(Geometry { length, curvature: angle / length, radius })
 }
 
 /// The angle in degrees from start to target around a centre, counter-clockwise unless `clockwise`;

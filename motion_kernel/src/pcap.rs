@@ -5,9 +5,8 @@ use crate::axes::{AxisList, AxisSet, MAX_AXES};
 use crate::axis::{Doing, Override};
 use crate::functions::Entered;
 use crate::limits::Limiting;
-use crate::lookahead::{Tangent, junction_v};
 use crate::mcu::{Mcu, WAIT_CI};
-use crate::path::{self, Ends, Geometry, NoPath};
+use crate::path::{self, Component, Ends, Geometry, NoPath};
 use crate::profile::Profile;
 use crate::registers::{Axst, ErrorReg, ModeReg};
 use crate::spooler::{BYTES_CIRCLE, BYTES_LINEAR, Entry, Move, NONE, SpoolState};
@@ -31,12 +30,6 @@ pub struct MotionCommand<'a> {
     pub line: u32,
 }
 
-/// Start and target of each axis of a command, in its order, and its path.
-struct Course {
-    geometry: Geometry,
-    scale: [f64; MAX_AXES],
-}
-
 impl Mcu {
     /// Spools a motion command for all its axes (smla, smlr, smca, smcr, smha, smhr).
     pub fn spool(&mut self, command: &MotionCommand) -> Entered {
@@ -50,13 +43,16 @@ impl Mcu {
                 self.axes[a].forget_queue();
             }
         }
-        let course = match self.course(command) {
-            Ok(course) => course,
-            Err(nothing) => return self.discard(nothing),
+        let mut components = std::mem::take(&mut self.components);
+        let outcome = match self.course(command, &mut components) {
+            Ok(geometry) => {
+                self.enter(command, &geometry, &components);
+                Entered::Yes
+            }
+            Err(nothing) => self.discard(nothing),
         };
-        let mv = self.limited(command, &course);
-        self.enter(command, mv, &course);
-        Entered::Yes
+        self.components = components;
+        outcome
     }
 
     /// Bytes that the command takes in the spooler of the axis at `position` of its list.
@@ -109,7 +105,7 @@ impl Mcu {
     }
 
     /// The path of a command from the end of what is spooled.
-    fn course(&self, command: &MotionCommand) -> Result<Course, NoPath> {
+    fn course(&self, command: &MotionCommand, components: &mut Vec<Component>) -> Result<Geometry, NoPath> {
         let n = command.axes.len();
         let (mut start, mut target, mut scale) = ([0.0; MAX_AXES], [0.0; MAX_AXES], [1.0; MAX_AXES]);
         let mut center = command.center;
@@ -128,23 +124,16 @@ impl Mcu {
                 center[i] = if relative { start[i] + center[i] * unit } else { center[i] * unit };
             }
         }
-        let ends = Ends {
-            list: command.axes,
-            start: &start[..n],
-            target: &target[..n],
-            scale: &scale[..n],
-            nfrax: self.registers.nfrax,
-        };
-        let geometry = if command.kind.is_linear() {
-            path::line(&ends)?
-        } else {
-            let mut geometry = path::circle(&ends, center, self.sweep(command, &ends, center))?;
-            for (i, a) in command.axes.iter().enumerate().take(2).filter(|_| rounds) {
-                geometry.components[i].target = self.axes[a].rounded(geometry.components[i].target);
-            }
-            geometry
-        };
-        Ok(Course { geometry, scale })
+        let (list, nfrax) = (command.axes, self.registers.nfrax);
+        let ends = Ends { list, start: &start[..n], target: &target[..n], scale: &scale[..n], nfrax };
+        if command.kind.is_linear() {
+            return path::line(&ends, components);
+        }
+        let geometry = path::circle(&ends, center, self.sweep(command, &ends, center), components)?;
+        for (component, a) in components.iter_mut().zip(list.iter()).take(2).filter(|_| rounds) {
+            component.target = self.axes[a].rounded(component.target);
+        }
+        Ok(geometry)
     }
 
     /// Axis units per unit of the command: rotary targets are mm of circumference without RotatoricUnit.
@@ -170,24 +159,35 @@ impl Mcu {
     }
 
     /// Path velocity and acceleration within the limits of the axes (ChkMaxVel on lines, arcs under LookAhead).
-    fn limited(&self, command: &MotionCommand, course: &Course) -> Move {
+    fn limits(&self, command: &MotionCommand, geometry: &Geometry, components: &[Component]) -> (f64, f64) {
         let (mut vl, mut ac) = (command.vl, command.ac);
-        let geometry = &course.geometry;
-        let parameters = |a: usize| &self.axes[a].parameters;
         if command.kind.is_linear() && self.registers.modereg.has(ModeReg::ChkMaxVel) {
-            for (i, a) in command.axes.iter().enumerate() {
-                let share = (geometry.components[i].p * course.scale[i]).abs();
+            for (component, a) in components.iter().zip(command.axes.iter()) {
+                let parameters = &self.axes[a].parameters;
+                let share = (component.p * parameters.scale).abs();
                 let limit = |most: f64, now: f64| if most > 0.0 && share * now > most { most / share } else { now };
-                (vl, ac) = (limit(parameters(a).maxvel, vl), limit(parameters(a).maxacc, ac));
+                (vl, ac) = (limit(parameters.maxvel, vl), limit(parameters.maxacc, ac));
             }
         }
         if !command.kind.is_linear() && self.registers.modereg.has(ModeReg::LookAhead) {
-            let most = |a: usize| Some(parameters(a).maxacc).filter(|&m| m > 0.0).unwrap_or(f64::INFINITY);
-            vl = vl.min((geometry.radius * most(command.axes.at(0)).min(most(command.axes.at(1)))).sqrt());
+            let maxacc = |i: usize| self.axes[command.axes.at(i)].parameters.maxacc;
+            let most = [maxacc(0), maxacc(1)].into_iter().filter(|&m| m > 0.0).fold(f64::INFINITY, f64::min);
+            vl = vl.min((geometry.radius * most).sqrt());
         }
+        (vl, ac)
+    }
+
+    /// Puts the move into the spoolers of its axes and into its look-ahead chain.
+    fn enter(&mut self, command: &MotionCommand, geometry: &Geometry, components: &[Component]) {
+        let axes = command.axes.set();
+        let (vl, ac) = self.limits(command, geometry, components);
         let capped = command.kind.is_linear() && self.registers.modereg.has(ModeReg::ChkMaxVel);
-        Move {
-            axes: command.axes.set(),
+        let tvl = if capped { command.tvl.min(vl) } else { command.tvl };
+        let before = self.chain_end(axes);
+        let junction_v =
+            before.map_or(0.0, |previous| self.turn_v(previous, command.axes, geometry, components).min(vl));
+        let slot = self.moves.add(Move {
+            axes,
             number: self.commands,
             line: command.line,
             rapid: command.rapid,
@@ -197,42 +197,45 @@ impl Mcu {
             curvature: geometry.curvature,
             vl,
             ac,
-            tvl: if capped { command.tvl.min(vl) } else { command.tvl },
-            jerkrel: command.axes.iter().map(|a| parameters(a).jerkrel).fold(1.0, f64::min),
+            tvl,
+            jerkrel: command.axes.iter().map(|a| self.axes[a].parameters.jerkrel).fold(1.0, f64::min),
             planned: false,
             stopping: false,
             profile: Profile::default(),
             users: command.axes.len() as u32,
-            junction_v2: 0.0,
+            junction_v2: junction_v * junction_v,
             chain: NONE,
             prefix_v2: 0.0,
             next: NONE,
             previous: NONE,
             queue_next: NONE,
             queue_previous: NONE,
+        });
+        let tangent = self.lookahead.append(&mut self.moves, slot, before);
+        let end = path::point(geometry.length, geometry.curvature);
+        for (&component, a) in components.iter().zip(command.axes.iter()) {
+            let axis = &mut self.axes[a];
+            tangent[a] = component.slope(&end, geometry.curvature) * axis.parameters.scale;
+            axis.spooler.push(Entry::Move { slot, component });
+            (axis.queue_end, axis.queue_tvl, axis.queue_last) = (component.target, tvl, slot);
         }
     }
 
-    /// Puts the move into the spoolers of its axes and into its look-ahead chain.
-    fn enter(&mut self, command: &MotionCommand, mv: Move, course: &Course) {
-        let mdvel = self.mdvel();
-        let (start, end) = tangents(command.axes, course);
-        let before = self.chain_end(mv.axes);
-        let slot = self.moves.add(mv);
-        if let Some(previous) = before {
-            let last = self.moves[previous];
-            let tangent = self.lookahead.end_tangent(&self.moves, previous);
-            let turn_v = tangent.map_or(0.0, |tangent| junction_v(tangent, &start, &mdvel, mv.axes));
-            let limit_v = turn_v.min(last.tvl.max(0.0)).min(last.vl).min(mv.vl);
-            self.moves[slot].junction_v2 = limit_v * limit_v;
+    /// Highest speed at the junction with the move before: no axis may change its speed by more than its mdvel
+    /// (0 = not watched), and neither velocity nor target velocity of that move are exceeded.
+    fn turn_v(&self, previous: u32, list: &AxisList, geometry: &Geometry, components: &[Component]) -> f64 {
+        let last = &self.moves[previous];
+        let Some(before) = self.lookahead.end_tangent(&self.moves, previous) else { return 0.0 };
+        let start = path::point(0.0, geometry.curvature);
+        let mut limit = last.tvl.max(0.0).min(last.vl);
+        for (component, a) in components.iter().zip(list.iter()) {
+            let parameters = &self.axes[a].parameters;
+            let change = (component.slope(&start, geometry.curvature) * parameters.scale - before[a]).abs();
+            if parameters.mdvel > 0.0 && change > 1e-12 {
+                limit = limit.min(parameters.mdvel / change);
+            }
         }
-        self.lookahead.append(&mut self.moves, slot, before, &end);
-        for (i, a) in command.axes.iter().enumerate() {
-            let component = course.geometry.components[i];
-            let axis = &mut self.axes[a];
-            axis.spooler.push(Entry::Move { slot, component });
-            (axis.queue_end, axis.queue_tvl, axis.queue_last) = (component.target, mv.tvl, slot);
-        }
+        limit
     }
 
     /// The newest move of all these axes, if it has just these axes and still lives.
@@ -432,17 +435,4 @@ impl Mcu {
         }
         self.monitor_message();
     }
-}
-
-/// Unit tangents at start and end: travel per path length in the metric of design D7, by axis index.
-fn tangents(list: &AxisList, course: &Course) -> (Tangent, Tangent) {
-    let geometry = &course.geometry;
-    let (from, to) = (path::point(0.0, geometry.curvature), path::point(geometry.length, geometry.curvature));
-    let (mut start, mut end) = ([0.0; MAX_AXES], [0.0; MAX_AXES]);
-    for (i, a) in list.iter().enumerate() {
-        let component = &geometry.components[i];
-        start[a] = component.slope(&from, geometry.curvature) * course.scale[i];
-        end[a] = component.slope(&to, geometry.curvature) * course.scale[i];
-    }
-    (start, end)
 }

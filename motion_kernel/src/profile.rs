@@ -78,9 +78,9 @@ pub struct Request {
     pub jerkrel: f64,
 }
 
-const RAMPS: usize = 4;
+const RAMPS: usize = 3;
 
-/// Up to four ramps, one after the other.
+/// Up to three ramps, one after the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Profile {
     ramps: [Ramp; RAMPS],
