@@ -9,9 +9,8 @@ import sys
 import traceback
 from collections.abc import Callable, Sequence
 
+from cnc_front import VERSION
 from cnc_front.errors import CompileError, Exit, UsageError
-
-VERSION = "0.1.0"
 
 EXAMPLES = """examples:
   cnc-front run part.nc                          dry-run, verdict on stdout

@@ -24,8 +24,8 @@ CHUNK = 1 << 16
 class Sink(Protocol):
     """Takes the samples of a run as they come, e.g. a recording."""
 
-    def write(self, chunk: native_kernel.Chunk, deviation_mm: NDArray[np.float32]) -> None:
-        """One chunk and the deviation of the load side per sample."""
+    def write(self, execution: Execution, chunk: native_kernel.Chunk, deviation_mm: NDArray[np.float32]) -> None:
+        """One chunk, the deviation of the load side per sample, and what the execution logged since the last."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ def dry_run(job: CompiledJob, options: RunOptions, sink: Sink | None = None) -> 
         if len(chunk):
             deviation = tracker.feed(chunk)
             if sink is not None:
-                sink.write(chunk, deviation)
+                sink.write(execution, chunk, deviation)
         if time.monotonic() - begun > options.max_time_s:
             execution.end = execution.end or End.TIME_LIMIT
         if options.progress is not None:

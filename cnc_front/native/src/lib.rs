@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 mod kernel;
 mod paths;
 mod program;
+mod record;
 
 /// Adds a submodule and makes `from cnc_front._native.NAME import X` work.
 fn submodule(parent: &Bound<'_, PyModule>, name: &str, fill: fn(&Bound<'_, PyModule>) -> PyResult<()>) -> PyResult<()> {
@@ -19,5 +20,6 @@ fn submodule(parent: &Bound<'_, PyModule>, name: &str, fill: fn(&Bound<'_, PyMod
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     submodule(module, "motion_kernel", kernel::fill)?;
     submodule(module, "gcode", program::fill)?;
-    submodule(module, "toolpaths", paths::fill)
+    submodule(module, "toolpaths", paths::fill)?;
+    submodule(module, "recording", record::fill)
 }

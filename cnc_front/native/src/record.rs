@@ -1,0 +1,144 @@
+//! `cnc_front._native.recording`: recordings written from chunks and read back as columns.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray1};
+use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use recording::{Attached, Columns, ColumnsView, Error, Header, Item};
+
+use crate::kernel::Chunk;
+
+pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Writer>()?;
+    module.add_class::<Reader>()
+}
+
+fn raise(error: Error) -> PyErr {
+    match error {
+        Error::Io(error) => match error.raw_os_error() {
+            Some(number) => PyOSError::new_err((number, error.to_string())),
+            None => PyOSError::new_err(error.to_string()),
+        },
+        other => PyValueError::new_err(other.to_string()),
+    }
+}
+
+/// A recording being written; `finish` closes it.
+#[pyclass(module = "cnc_front._native.recording")]
+pub struct Writer {
+    inner: Option<recording::Writer>,
+}
+
+#[pymethods]
+impl Writer {
+    /// Attachments are (name, media type, bytes). Raises OSError.
+    #[new]
+    fn new(
+        path: PathBuf,
+        axes: Vec<String>,
+        sample_time_s: f64,
+        attachments: Vec<(String, String, Vec<u8>)>,
+        metadata: BTreeMap<String, String>,
+    ) -> PyResult<Writer> {
+        let attached = |(name, media_type, data)| Attached { name, media_type, data };
+        let attachments = attachments.into_iter().map(attached).collect();
+        let header = Header { axes, sample_time_s, attachments, metadata };
+        Ok(Writer { inner: Some(recording::Writer::create(&path, &header).map_err(raise)?) })
+    }
+
+    /// Writes a chunk and the deviation of its load side (mm per sample).
+    fn write(&mut self, py: Python<'_>, chunk: &Chunk, deviation_mm: PyReadonlyArray1<'_, f32>) -> PyResult<()> {
+        let (dp, load, rp) =
+            (chunk.dp.bind(py).readonly(), chunk.load.bind(py).readonly(), chunk.rp.bind(py).readonly());
+        let (factor, v_plan) = (chunk.factor.bind(py).readonly(), chunk.v_plan.bind(py).readonly());
+        let (line, entry, flags) =
+            (chunk.line.bind(py).readonly(), chunk.entry.bind(py).readonly(), chunk.flags.bind(py).readonly());
+        let axes = numpy::PyUntypedArrayMethods::shape(chunk.dp.bind(py))[1];
+        let view = ColumnsView {
+            first_sample: chunk.first_sample,
+            axes,
+            dp: dp.as_slice()?,
+            load: load.as_slice()?,
+            rp: rp.as_slice()?,
+            factor: factor.as_slice()?,
+            v_plan: v_plan.as_slice()?,
+            line: line.as_slice()?,
+            entry: entry.as_slice()?,
+            flags: flags.as_slice()?,
+            deviation_mm: deviation_mm.as_slice()?,
+        };
+        let writer = self.open()?;
+        py.detach(|| writer.write_samples(&view)).map_err(raise)
+    }
+
+    /// Writes an event, a JSON object, at an emulated time.
+    fn write_event(&mut self, t_s: f64, json: &str) -> PyResult<()> {
+        self.open()?.write_event(t_s, json).map_err(raise)
+    }
+
+    /// Adds the result object and closes the file.
+    fn finish(&mut self, py: Python<'_>, result_json: &str) -> PyResult<()> {
+        let writer = self.inner.take().ok_or_else(closed)?;
+        py.detach(|| writer.finish(result_json)).map_err(raise)
+    }
+}
+
+impl Writer {
+    fn open(&mut self) -> PyResult<&mut recording::Writer> {
+        self.inner.as_mut().ok_or_else(closed)
+    }
+}
+
+fn closed() -> PyErr {
+    PyValueError::new_err("the recording is closed")
+}
+
+/// A recording being read from front to back.
+#[pyclass(module = "cnc_front._native.recording")]
+pub struct Reader {
+    inner: recording::Reader,
+}
+
+#[pymethods]
+impl Reader {
+    #[new]
+    fn new(path: PathBuf) -> PyResult<Reader> {
+        Ok(Reader { inner: recording::Reader::open(&path).map_err(raise)? })
+    }
+    /// Why reading ended before the end of the file, if it did.
+    #[getter]
+    fn damage(&self) -> Option<String> {
+        self.inner.damage.clone()
+    }
+    /// ("attachment", name, bytes), ("metadata", name, dict), ("columns", "", dict of columns),
+    /// ("event", "", JSON text), or None at the end. Raises ValueError if the file is no recording of ours.
+    fn next_item<'py>(&mut self, py: Python<'py>) -> PyResult<Option<(&'static str, String, Bound<'py, PyAny>)>> {
+        let reader = &mut self.inner;
+        let Some(item) = py.detach(|| reader.next_item()).map_err(raise)? else { return Ok(None) };
+        Ok(Some(match item {
+            Item::Attachment(a) => ("attachment", a.name, PyBytes::new(py, &a.data).into_any()),
+            Item::Metadata(name, map) => ("metadata", name, map.into_pyobject(py)?.into_any()),
+            Item::Event(text) => ("event", String::new(), text.into_pyobject(py)?.into_any()),
+            Item::Columns(columns) => ("columns", String::new(), columns_dict(py, columns)?.into_any()),
+        }))
+    }
+}
+
+fn columns_dict<'py>(py: Python<'py>, c: Columns) -> PyResult<Bound<'py, PyDict>> {
+    let shape = [c.flags.len(), c.axes];
+    let dict = PyDict::new(py);
+    dict.set_item("first_sample", c.first_sample)?;
+    dict.set_item("dp", c.dp.into_pyarray(py).reshape(shape)?)?;
+    dict.set_item("load", c.load.into_pyarray(py).reshape(shape)?)?;
+    dict.set_item("rp", c.rp.into_pyarray(py).reshape(shape)?)?;
+    dict.set_item("factor", c.factor.into_pyarray(py))?;
+    dict.set_item("v_plan", c.v_plan.into_pyarray(py))?;
+    dict.set_item("line", c.line.into_pyarray(py))?;
+    dict.set_item("entry", c.entry.into_pyarray(py))?;
+    dict.set_item("flags", c.flags.into_pyarray(py))?;
+    dict.set_item("deviation_mm", c.deviation_mm.into_pyarray(py))?;
+    Ok(dict)
+}

@@ -1,0 +1,126 @@
+"""Recordings of runs in MCAP (design 3.5): written as the run goes on, read back for reports.
+
+Layout and topics: cnc_front/recording/src/lib.rs. The stock `mcap` readers and Foxglove read them as they are.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnc_front._native import motion_kernel as native_kernel
+from cnc_front._native import recording as native
+from cnc_front.diagnostics import Diagnostic
+from cnc_front.errors import CompileError
+from cnc_front.execution import Execution
+from cnc_front.jobs import CompiledJob
+
+Columns = dict[str, Any]
+JOB, MACHINE, SEQUENCE, RESULT = "job", "machine.toml", "sequence.npz", "result.json"
+
+
+class RecordingSink:
+    """Writes a run into a recording. A run that is cut off leaves a file that can still be read."""
+
+    def __init__(self, path: Path, job: CompiledJob, metadata: dict[str, str]) -> None:
+        """Creates the file; raises OSError."""
+        machine = job.machine.machine
+        attachments = [
+            (JOB, "text/plain", job.source.data),
+            (MACHINE, "application/toml", job.machine.text.encode()),
+            (SEQUENCE, "application/x-npz", _pack(job.program.sequence())),
+        ]
+        self.path = path
+        self._writer = native.Writer(
+            path, list(machine.axis_names), machine.sample_time_us * 1e-6, attachments, metadata
+        )
+        self._logged = 0
+        self._hosts = 0
+
+    def write(self, execution: Execution, chunk: native_kernel.Chunk, deviation_mm: NDArray[np.float32]) -> None:
+        """One chunk and the deviation of its load side per sample, and the events since the last one."""
+        self._writer.write(chunk, deviation_mm)
+        for entry in execution.log[self._logged :]:
+            self._event(entry.t_s, entry.kind, entry.axis, entry.name, entry.on, entry.line, entry.value, "")
+        for host in execution.host_events[self._hosts :]:
+            self._event(host.t_s, "host", "", host.kind, True, host.line, 0, host.text)
+        self._logged, self._hosts = len(execution.log), len(execution.host_events)
+
+    def _event(self, t_s: float, kind: str, axis: str, name: str, on: bool, line: int, value: int, text: str) -> None:
+        event = {"t_s": t_s, "kind": kind, "axis": axis, "name": name, "on": on, "line": line}
+        self._writer.write_event(t_s, json.dumps(event | {"value": value, "text": text}))
+
+    def finish(self, run_object: dict[str, Any]) -> None:
+        """Adds the result and closes the file."""
+        self._writer.finish(json.dumps(run_object, allow_nan=False))
+
+
+@dataclass(slots=True)
+class Recorded:
+    """A recording opened for reading: what stands before the samples, then the samples."""
+
+    path: str
+    job: bytes
+    machine_text: str
+    sequence: dict[str, NDArray[Any]]
+    metadata: dict[str, str]
+    result: dict[str, Any] | None = None
+    events: list[dict[str, Any]] = field(default_factory=list)
+    damage: str | None = None
+    _reader: Any = None
+    _first: Columns | None = None
+
+    def columns(self) -> Iterator[Columns]:
+        """Chunks of columns in order; `events`, `result` and `damage` are complete afterwards."""
+        if self._first is not None:
+            yield self._first
+        while (item := self._reader.next_item()) is not None:
+            kind, name, value = item
+            if kind == "columns":
+                yield value
+            elif kind == "event":
+                self.events.append(json.loads(value))
+            elif name == RESULT:
+                self.result = json.loads(value)
+        self.damage = self._reader.damage
+
+
+def open_recording(path: str) -> Recorded:
+    """Reads up to the first samples. Raises OSError, or CompileError for a file that is no recording of ours."""
+    reader = native.Reader(path)
+    found: dict[str, Any] = {}
+    first = None
+    try:
+        while first is None and (item := reader.next_item()) is not None:
+            kind, name, value = item
+            if kind == "columns":
+                first = value
+            elif kind in ("attachment", "metadata"):
+                found[name] = value
+        sequence = _unpack(found[SEQUENCE])
+        job, machine, metadata = found[JOB], found[MACHINE].decode(), found["run"]
+    except (ValueError, KeyError, UnicodeDecodeError) as error:
+        reason = f"cannot be read as a recording: {error if isinstance(error, ValueError) else f'no {error}'}"
+        raise CompileError([Diagnostic(path, 1, 1, 1, "CF401", reason, "give a file written by run --record")]) from None
+    recorded = Recorded(path, job, machine, sequence, metadata, _reader=reader, _first=first)
+    if RESULT in found:
+        recorded.result = json.loads(found[RESULT])
+    return recorded
+
+
+def _pack(sequence: dict[str, NDArray[Any]]) -> bytes:
+    buffer = io.BytesIO()
+    np.savez(buffer, **sequence)  # type: ignore[arg-type]  # numpy's stub takes the keywords for its own options
+    return buffer.getvalue()
+
+
+def _unpack(data: bytes) -> dict[str, NDArray[Any]]:
+    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+        return {name: np.ascontiguousarray(arrays[name]) for name in arrays.files}
