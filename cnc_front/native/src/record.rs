@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Mutex;
 
 use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::{PyOSError, PyValueError};
@@ -99,24 +100,25 @@ fn closed() -> PyErr {
 /// A recording being read from front to back.
 #[pyclass(module = "cnc_front._native.recording")]
 pub struct Reader {
-    inner: recording::Reader,
+    /// The reader is not Sync; Python may hand it to another thread.
+    inner: Mutex<recording::Reader>,
 }
 
 #[pymethods]
 impl Reader {
     #[new]
     fn new(path: PathBuf) -> PyResult<Reader> {
-        Ok(Reader { inner: recording::Reader::open(&path).map_err(raise)? })
+        Ok(Reader { inner: Mutex::new(recording::Reader::open(&path).map_err(raise)?) })
     }
     /// Why reading ended before the end of the file, if it did.
     #[getter]
     fn damage(&self) -> Option<String> {
-        self.inner.damage.clone()
+        self.inner.lock().ok()?.damage.clone()
     }
     /// ("attachment", name, bytes), ("metadata", name, dict), ("columns", "", dict of columns),
     /// ("event", "", JSON text), or None at the end. Raises ValueError if the file is no recording of ours.
     fn next_item<'py>(&mut self, py: Python<'py>) -> PyResult<Option<(&'static str, String, Bound<'py, PyAny>)>> {
-        let reader = &mut self.inner;
+        let reader = self.inner.get_mut().map_err(|_| closed())?;
         let Some(item) = py.detach(|| reader.next_item()).map_err(raise)? else { return Ok(None) };
         Ok(Some(match item {
             Item::Attachment(a) => ("attachment", a.name, PyBytes::new(py, &a.data).into_any()),
