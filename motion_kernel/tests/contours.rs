@@ -95,6 +95,35 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
+
+    /// Limits are kept at any constant factor up to 1 (design D18): no axis is faster than maxvel; its speed changes
+    /// by no more than mdvel at a junction, and in between by no more than its ramp and its share of the curvature.
+    #[test]
+    fn limits_are_kept(blocks in contour(25), factor in prop_oneof![Just(1.0), 0.2..1.0f64]) {
+        let (mut m, placed) = start(&blocks, LOOKAHEAD | ModeReg::ChkMaxVel);
+        for a in 0..3 {
+            m.parameters_mut(a).maxvel = 200.0;
+        }
+        m.wrtrovr(factor);
+        m.utrovr(set(&[0, 1, 2]));
+        let trace = record(&mut m);
+        let ramp: f64 = placed.iter().map(|b| b.block.ac).fold(0.0, f64::max);
+        for axis in 0..3 {
+            let v = speeds(&trace, axis, 0.0);
+            prop_assert!(v.iter().all(|v| v.abs() <= 200.0 * factor + 1e-6));
+            for k in 1..v.len() {
+                let junctions = f64::from(trace.entry[k].abs_diff(trace.entry[k.saturating_sub(2)])).min(5.0);
+                let junctions = if trace.entry[k] == 0 { 5.0 } else { junctions };
+                // curvature: v²/r <= maxacc 1000 by the limit of arcs
+                let allowed = (ramp + 1000.0) * factor * factor * TA + junctions * 0.5 * factor + 1e-6;
+                prop_assert!((v[k] - v[k - 1]).abs() <= allowed, "axis {axis}, sample {k}: {} to {}", v[k - 1], v[k]);
+            }
+        }
+    }
+}
+
 /// While braking for a hold every sample lies on a block, and the speed never rises.
 fn check_braking(trace: &Trace, placed: &[Placed], start_v: f64, factor: f64) {
     let mut last_v = start_v / factor;

@@ -105,6 +105,8 @@ fn a_hold_keeps_what_lies_behind() {
     assert_eq!(m.status().axes[0].dp, status.axes[0].dp, "only resume goes on");
     m.resume();
     let trace = record(&mut m);
+    let first = (trace.dp[0] - status.axes[0].dp).hypot(trace.dp[1] - status.axes[1].dp);
+    close(first, 0.5 * 100.0 * TA * TA, 1e-12); // from standstill, where it stopped
     assert_eq!((trace.entry[0], trace.line[0]), (1, 1), "the numbers stay");
     close(m.status().axes[1].dp, 100.0, 0.0);
 }
@@ -221,4 +223,23 @@ fn an_abort_ends_motion_and_hold() {
         run(&mut m);
         close(m.status().axes[0].dp, 0.0, 0.0);
     }
+}
+
+/// Without look-ahead the plan of the next block may start lower, by a jump (2.2.2); so does the braking.
+#[test]
+fn braking_into_a_block_too_short_to_brake_stays_on_the_path() {
+    let mut m = mcu("XY", EXACT);
+    line(&mut m, &[10.0, 0.0], 60.0, 400.0, 60.0);
+    line(&mut m, &[10.0, 0.05], 60.0, 1700.0, 0.0);
+    let all = m.all_axes();
+    m.ssms(all);
+    while m.status().axes[0].dp < 9.5 {
+        m.run(1);
+    }
+    let trace = held(&mut m);
+    assert!(trace.entry.contains(&2));
+    assert!(trace.dp.chunks(2).all(|p| (p[1] == 0.0 || p[0] == 10.0) && p[1] <= 0.05), "never behind the target");
+    m.resume();
+    record(&mut m);
+    close(m.status().axes[1].dp, 0.05, 0.0);
 }

@@ -283,3 +283,32 @@ fn chains_of_different_axes_do_not_join() {
     assert!(first.v_plan[change] < 500.0 * TA + 1e-9);
     close(second.axes[0].dp, 10.0, 0.0);
 }
+
+#[test]
+fn a_target_velocity_above_the_maximum_is_capped() {
+    let mut m = mcu("X", LOOKAHEAD);
+    line(&mut m, &[10.0], 20.0, 500.0, 60.0);
+    line(&mut m, &[20.0], 60.0, 500.0, 0.0);
+    let trace = run(&mut m);
+    let second = trace.entry.iter().position(|e| *e == 2).expect("second block");
+    close(trace.v_plan[second], 20.0, 500.0 * TA);
+}
+
+/// Whatever the length of the job, the sums stay as short as the spooler (they would lose their precision).
+#[test]
+fn sums_start_anew_now_and_then() {
+    let mut m = mcu("X", LOOKAHEAD);
+    let all = m.all_axes();
+    let per_block = 2.0 * 500.0 * 0.1;
+    for n in 1..=5000u32 {
+        line(&mut m, &[f64::from(n) * 0.1], 50.0, 500.0, 50.0);
+        if n > 30 {
+            m.ssms(all);
+            m.run(2);
+            let waiting = f64::from(m.status().axes[0].mcis) + 2.0;
+            if let Some(mv) = m.current_move(0) {
+                assert!(mv.prefix_v2 <= 2.0 * waiting * per_block, "{} after {n} blocks", mv.prefix_v2);
+            }
+        }
+    }
+}
