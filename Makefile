@@ -104,7 +104,7 @@ toolchain:
 # the compiled module is installed editable, so that a checkout never runs a stale copy of its own Python files
 $(NATIVE): .venv/.run $(RUST) pyproject.toml
 	@echo 'make: building the Rust extension in release mode (a minute or two the first time)'
-	@env -u CONDA_PREFIX VIRTUAL_ENV="$$PWD/.venv" $(PY) -m maturin develop --release --locked --quiet
+	@env -u CONDA_PREFIX VIRTUAL_ENV="$$PWD/.venv" PIP_QUIET=1 $(PY) -m maturin develop --release --locked --quiet
 	@touch $@
 
 endif

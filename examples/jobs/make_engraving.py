@@ -18,21 +18,24 @@ def curve(radius: float, amplitude: float, waves: float, angle: float) -> tuple[
     return r * math.cos(angle), r * math.sin(angle), -0.1 - 0.05 * wave
 
 
-def points(radius: float, amplitude: float, waves: float, turns: int, step: float) -> Iterator[tuple[float, float, float]]:
+def points(
+    radius: float, amplitude: float, waves: float, turns: int, step: float
+) -> Iterator[tuple[float, float, float]]:
     """The closed curve in steps of nearly `step`."""
     end = 2 * math.pi * turns
-    angle = 0.0
-    while angle < end:
+    angle, advance = 0.0, 0.0
+    while angle + 2 * advance < end:  # no short rest at the end: the last line is two to three steps long
         yield curve(radius, amplitude, waves, angle)
         slope = amplitude * waves * math.cos(waves * angle)
-        angle += step / math.hypot(math.hypot(*curve(radius, amplitude, waves, angle)[:2]), slope)
+        advance = step / math.hypot(math.hypot(*curve(radius, amplitude, waves, angle)[:2]), slope)
+        angle += advance
     yield curve(radius, amplitude, waves, end)
 
 
 def program() -> Iterator[str]:
     """The lines of the part program."""
     yield from ("%", "(GUILLOCHE FOR A DIAL D36, brass; written by make_engraving.py)", "(zero: dial centre, top face)")
-    yield from ("(T4 engraving cutter 60 degrees)", "G17 G21 G40 G49 G80 G90 G94", "G54", "G64 P0.002")
+    yield from ("(T4 engraving cutter 60 degrees)", "G17 G21 G40 G49 G80 G90 G94", "G54", "G64 P0.004")
     yield from ("T4 M6", "G43 H4", "S18000 M3", "G0 Z5 M8")
     for band in BANDS:
         dots = list(points(*band))
