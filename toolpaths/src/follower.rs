@@ -115,7 +115,10 @@ impl Follower {
     ) {
         let cap = cap_s.min(path.reach(before, ADVANCE * time_s + self.stuck_s) + SLACK_MM);
         let cap = if cap_s.is_finite() { cap_s } else { cap };
-        let corner = (path.s_of(before) + CORNER_REACH * self.d2.sqrt()).max(reach).min(cap);
+        let near = &path.segments[self.foot.segment];
+        // both legs of a sharp corner, equally far from its tip
+        let legs = if near.sharp_end { 2.0 * (near.length - self.foot.t) } else { 0.0 };
+        let corner = (path.s_of(self.foot) + CORNER_REACH * self.d2.sqrt() + legs).max(reach).min(cap);
         if corner > reach {
             let from = path.place_near(self.foot, reach);
             let (foot, d2) = nearest_until(path, x, from, corner);

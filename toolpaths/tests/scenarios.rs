@@ -2,7 +2,8 @@
 
 mod common;
 
-use common::{Program, TA};
+use common::{Program, Run, TA};
+use toolpaths::PathError;
 
 #[test]
 fn clean_lines_arcs_and_helices_have_no_deviation() {
@@ -78,4 +79,207 @@ fn the_foot_never_jumps_to_a_neighbouring_pass() {
         let signed = if radial > 0.0 { m.summary.actual.right_mm } else { m.summary.actual.left_mm };
         assert!((signed - size).abs() < 0.02 * size + 1e-9);
     }
+}
+
+/// First-order lag of the load side, and a second-order one that overshoots.
+fn lag(run: &mut Run, time_constant: f64) {
+    let (a, k) = (run.axes, 1.0 - (-TA / time_constant).exp());
+    for i in a..run.load.len() {
+        run.load[i] = run.load[i - a] + k * (run.dp[i] - run.load[i - a]);
+    }
+    settle(run, k);
+}
+
+/// Lets the load side come to rest at the end.
+fn settle(run: &mut Run, k: f64) {
+    let end = run.dp_at(run.len() - 1).to_vec();
+    for _ in 0..200 {
+        let last = run.load[run.load.len() - run.axes..].to_vec();
+        let load: Vec<f64> = last.iter().zip(&end).map(|(l, e)| l + k * (e - l)).collect();
+        run.push(&end, *run.command.last().unwrap(), 1.0, 0.0);
+        let at = run.load.len() - run.axes;
+        run.load[at..].copy_from_slice(&load);
+    }
+}
+
+#[test]
+fn a_lagging_load_side_does_not_deviate_on_a_straight_line_or_at_its_reversal() {
+    let mut p = Program::new(&[0.0, 0.0]);
+    for (to, feed) in [(10.0, 5.0), (2.0, 50.0), (6.0, 1.0), (6.5, 100.0), (0.0, 20.0)] {
+        p.feed = feed;
+        p.line(&[to, 0.0]);
+    }
+    let mut run = p.run(|_| 1.0);
+    lag(&mut run, 0.02);
+    let m = run.measure(&p);
+    // the turning point is rounded off; the way back lies on the way out
+    assert!(m.summary.actual.max_mm < 1e-6, "{:?}", m.summary.actual);
+    assert!(m.summary.setpoint.max_mm < 1e-9);
+    assert!(m.summary.lag_max_mm > 0.9, "{}", m.summary.lag_max_mm);
+    assert!(m.s_actual_mm.last().unwrap() > &(m.summary.path_length_mm - 1e-3));
+}
+
+#[test]
+fn a_corner_cut_by_lag_deviates_as_much_as_the_nearest_leg() {
+    for degrees in [30.0f64, 60.0, 90.0, 120.0, 150.0, 170.0] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let mut p = Program::new(&[0.0, 0.0]);
+        p.feed = 20.0;
+        p.line(&[10.0, 0.0]).line(&[10.0 + 10.0 * cos, 10.0 * sin]);
+        let mut run = p.run(|_| 1.0);
+        lag(&mut run, 0.02);
+        let m = run.measure(&p);
+        // nearest point of both legs that is not behind the last one
+        let leg = |x: f64, y: f64, ux: f64, uy: f64, from: f64| {
+            let t = (x * ux + y * uy).clamp(from, 10.0);
+            ((x - t * ux).hypot(y - t * uy), t)
+        };
+        let (mut behind, mut expected) = (0.0f64, 0.0f64);
+        for k in 0..run.len() {
+            let (x, y) = (run.load[2 * k], run.load[2 * k + 1]);
+            let second = leg(x - 10.0, y, cos, sin, (behind - 10.0).max(0.0));
+            let first = if behind < 10.0 { leg(x, y, 1.0, 0.0, behind) } else { (f64::INFINITY, 0.0) };
+            let (d, t) = if first.0 <= second.0 { first } else { (second.0, second.1 + 10.0) };
+            (behind, expected) = (t, expected.max(d));
+        }
+        let found = m.summary.actual.max_mm;
+        assert!((found - expected).abs() < 1e-9, "{degrees}: {found} for {expected}");
+    }
+}
+
+#[test]
+fn an_overshoot_at_a_stop_is_given_back() {
+    // stops in the middle of a straight line, at a corner, and before a dwell
+    let mut p = Program::new(&[0.0, 0.0]);
+    p.line(&[5.0, 0.0]).line(&[10.0, 0.0]).line(&[10.0, 5.0]);
+    let whole = p.run(|_| 1.0);
+    let mut run = Run { axes: 2, ..Run::default() };
+    let mut last = 0;
+    for k in 0..whole.len() {
+        let (at, command) = (whole.dp_at(k), whole.command[k]);
+        if command != last {
+            // stands for 40 samples; the load side swings past the stop by 8 um and back
+            let stop = [p.columns.target[2 * last], p.columns.target[2 * last + 1]];
+            for i in 0..40 {
+                run.push(&stop, last, 1.0, 0.0);
+                let swing = 0.008 * (f64::from(i) / 40.0 * std::f64::consts::PI).sin();
+                let at = run.load.len() - 2;
+                run.load[at] += swing;
+            }
+            last = command;
+        }
+        run.push(at, command, 1.0, 10.0);
+    }
+    let m = run.measure(&p);
+    assert!(m.summary.setpoint.max_mm < 1e-9);
+    let rows = m.tracker.as_ref().unwrap().blocks();
+    assert!(rows[0].actual.max_mm < 1e-6, "a stop on a straight line: {:?}", rows[0]);
+    assert!((m.summary.actual.max_mm - 0.008).abs() < 1e-4, "beyond the corner: {:?}", m.summary.actual);
+}
+
+#[test]
+fn merged_blocks_deviate_by_at_most_their_chord() {
+    let mut p = Program::new(&[0.0, 0.0]);
+    p.line(&[1.0, 0.0]);
+    p.merged(&[vec![1.02, 0.0005], vec![1.04, 0.0009], vec![1.06, 0.0003]], &[1.08, 0.0]);
+    p.line(&[2.0, 0.0]);
+    let m = p.run(|_| 1.0).measure(&p);
+    assert_eq!(m.summary.merged.blocks, 3);
+    assert!((m.summary.merged.max_mm - 0.0009).abs() < 1e-12);
+    assert!(m.summary.setpoint.max_mm > 0.0003 && m.summary.setpoint.max_mm <= m.summary.merged.max_mm + 1e-6);
+    let path = p.path().unwrap();
+    let lines: Vec<(u32, u32)> = path.blocks().iter().map(|b| (b.line, b.entry)).collect();
+    assert_eq!(lines, [(10, 1), (17, 2), (18, 2), (19, 2), (20, 2), (30, 3)]);
+    assert!(m.summary.completed);
+}
+
+#[test]
+fn a_path_not_completed_is_reported() {
+    let mut p = Program::new(&[0.0, 0.0]);
+    p.line(&[10.0, 0.0]).line(&[10.0, 10.0]);
+    let whole = p.run(|_| 1.0);
+    let mut run = Run { axes: 2, ..Run::default() };
+    for k in 0..whole.len() * 3 / 4 {
+        run.push(whole.dp_at(k), whole.command[k], 1.0, 10.0);
+    }
+    let m = run.measure(&p);
+    assert!(!m.summary.completed);
+    assert!((m.summary.missing_mm - 5.0).abs() < 0.1, "{}", m.summary.missing_mm);
+    assert_eq!(m.summary.reached_line, 20);
+    assert!(m.summary.setpoint.max_mm < 1e-9, "what was run is clean");
+}
+
+#[test]
+fn a_skipped_block_is_no_clean_run() {
+    let mut p = Program::new(&[0.0, 0.0]);
+    p.line(&[2.0, 0.0]).line(&[2.0, 2.0]).line(&[4.0, 2.0]).line(&[4.0, 4.0]);
+    let whole = p.run(|_| 1.0);
+    let mut run = Run { axes: 2, ..Run::default() };
+    for k in (0..whole.len()).filter(|&k| whole.command[k] != 1) {
+        run.push(whole.dp_at(k), whole.command[k], 1.0, 10.0);
+    }
+    let m = run.measure(&p);
+    assert!(m.summary.setpoint.max_mm > 0.5, "{:?}", m.summary.setpoint);
+}
+
+#[test]
+fn a_program_without_motion_measures_the_distance_from_its_start() {
+    let p = Program::new(&[1.0, 2.0, 3.0]);
+    let mut run = Run { axes: 3, ..Run::default() };
+    run.push(&[1.0, 2.0, 3.0], 0, 1.0, 0.0);
+    run.push(&[1.0, 2.0, 3.5], 0, 1.0, 0.0);
+    let m = run.measure(&p);
+    assert!((m.summary.setpoint.max_mm - 0.5).abs() < 1e-12);
+    assert!(m.summary.completed);
+    assert!(m.tracker.unwrap().blocks().is_empty());
+    assert_eq!(p.path().unwrap().extents(), vec![(1.0, 1.0), (2.0, 2.0), (3.0, 3.0)]);
+}
+
+#[test]
+fn damaged_sequences_are_refused_with_line_and_cause() {
+    let mut p = Program::new(&[0.0, 0.0]);
+    p.line(&[5.0, 0.0]).helix(0, 1, [5.0, 5.0], 90.0, &[0.0, 0.0]);
+    let clean = p.clone();
+    assert!(clean.path().is_ok());
+    p.columns.center[2] += 0.02;
+    let text = p.path().unwrap_err().to_string();
+    assert!(text.contains("line 20") && text.contains("mm off its target"), "{text}");
+    let mut p = clean.clone();
+    p.columns.target[0] = f64::NAN;
+    assert!(p.path().unwrap_err().to_string().contains("line 10"));
+    let mut p = clean.clone();
+    p.columns.vl[1] = 0.0;
+    assert!(matches!(p.path(), Err(PathError::Value { command: 2, line: 20, .. })));
+    let mut p = clean.clone();
+    p.columns.phi.pop();
+    assert!(matches!(p.path(), Err(PathError::Column { name: "phi", expected: 2, found: 1 })));
+    let mut p = clean.clone();
+    p.columns.c2[1] = 9;
+    assert!(p.path().is_err());
+    let mut p = clean;
+    p.columns.effradius_of[0] = 3;
+    assert!(p.path().is_err());
+}
+
+#[test]
+fn extents_and_polyline_contain_what_arcs_reach() {
+    let mut p = Program::new(&[0.0, 0.0, 0.0]);
+    p.line(&[10.0, 0.0, 0.0]).helix(0, 1, [10.0, 5.0], 180.0, &[0.0, 0.0, -2.0]).line(&[0.0, 10.0, -2.0]);
+    let path = p.path().unwrap();
+    let extents = path.extents();
+    assert!((extents[0].1 - 15.0).abs() < 1e-12 && extents[0].0 == 0.0, "{extents:?}");
+    assert_eq!(extents[2], (-2.0, 0.0));
+    let line = path.polyline(0.001, 100_000);
+    assert_eq!(line.lines.first(), Some(&10));
+    assert_eq!(line.lines.last(), Some(&30));
+    for (k, xyz) in line.points.chunks(3).enumerate().filter(|(k, _)| line.lines[*k] == 20) {
+        let r = (xyz[0] - 10.0).hypot(xyz[1] - 5.0);
+        assert!((r - 5.0).abs() < 1e-9, "vertex {k}");
+    }
+    assert!(line.s_mm.windows(2).all(|w| w[1] > w[0]));
+    // chord error is kept
+    let arc = line.lines.iter().filter(|&&l| l == 20).count() as f64;
+    let step = std::f64::consts::PI / arc;
+    assert!(5.0 * (1.0 - (step / 2.0).cos()) <= 0.001, "{arc} chords");
+    assert!(path.polyline(0.001, 10).lines.len() <= 12);
 }

@@ -354,6 +354,8 @@ pub fn random_program(seed: u64, axes: usize, commands: usize) -> Program {
         if axes > 3 && r.unit() < 0.1 {
             program.set_radius(3, r.range(5.0, 60.0));
         }
+        // an arc turns less than a third of a turn per sample, as on any machine with limited acceleration
+        let radius = step[..axes.min(3)].iter().map(|s| s.abs()).fold(f64::INFINITY, f64::min);
         if r.unit() < 0.5 {
             program.line(&to);
         } else {
@@ -361,6 +363,7 @@ pub fn random_program(seed: u64, axes: usize, commands: usize) -> Program {
             let (c1, c2) = pairs[r.pick(pairs.len())];
             let phi = if r.unit() < 0.3 { 360.0 * r.range(-2.0, 2.0).round() } else { r.range(-720.0, 720.0) };
             let phi = if phi == 0.0 { 360.0 } else { phi };
+            program.feed = program.feed.min((500.0 * radius).sqrt());
             let others = if r.unit() < 0.5 { at.clone() } else { to };
             program.helix(c1, c2, [at[c1] + step[0], at[c2] + step[1]], phi, &others);
         }
