@@ -28,10 +28,10 @@ pub struct BlockDeviation {
 
 impl BlockDeviation {
     #[inline]
-    pub fn add(&mut self, d2: f64) {
+    pub fn add(&mut self, d: f64) {
         self.samples += 1;
-        self.squares += d2;
-        self.max_mm = self.max_mm.max(d2.sqrt() as f32);
+        self.squares += d * d;
+        self.max_mm = if d as f32 > self.max_mm { d as f32 } else { self.max_mm };
     }
     /// Root mean square, NaN without samples.
     pub fn rms_mm(&self) -> f64 {

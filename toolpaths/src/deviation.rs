@@ -67,11 +67,10 @@ impl Deviations {
     }
 
     #[inline]
-    pub fn add(&mut self, d2: f64, signed: f64, sample: u64, block: u32, position: &[f64]) {
-        let d = d2.sqrt();
+    pub fn add(&mut self, d: f64, signed: f64, sample: u64, block: u32, position: &[f64]) {
         self.count += 1;
         self.sum += d;
-        self.squares += d2;
+        self.squares += d * d;
         self.bins[bin(d)] += 1;
         // NaN where the path has no direction in the plane: compares false
         if signed > self.left {
@@ -145,7 +144,7 @@ mod tests {
         let mut deviations = Deviations::new();
         let mut sorted: Vec<f64> = (1..=10_000).map(|i| 1e-3 * (f64::from(i) * 0.618).fract().powi(3)).collect();
         for (k, d) in sorted.iter().enumerate() {
-            deviations.add(d * d, f64::NAN, k as u64, 0, &[*d]);
+            deviations.add(*d, f64::NAN, k as u64, 0, &[*d]);
         }
         sorted.sort_by(f64::total_cmp);
         for (q, at) in [(0.5, 4999), (0.95, 9499), (0.99, 9899), (1.0, 9999)] {

@@ -50,8 +50,11 @@ impl FeedCheck {
         } else {
             self.intervals += 1;
             self.reached += u64::from(interval.programmed_s >= REACHED * allowed);
-            let certain_s = interval.programmed_s * (interval.certain / interval.length).min(1.0);
-            self.over = self.over.max(certain_s / allowed - 1.0);
+            // divisions only for what may be a new maximum
+            if interval.programmed_s > (1.0 + self.over) * allowed {
+                let certain_s = interval.programmed_s * (interval.certain / interval.length).min(1.0);
+                self.over = self.over.max(certain_s / allowed - 1.0);
+            }
         }
     }
 
@@ -93,17 +96,13 @@ pub struct OverrideCheck {
     settled_by_s: f64,
     violated: bool,
     changed_max: f64,
-    planned: [Steady; 4],
-    ratio_error: Option<f64>,
-}
-
-/// What the steadiness of planned speed and factor is judged on, one per sample.
-#[derive(Clone, Copy, Debug, Default)]
-struct Steady {
-    planned: f64,
+    /// Planned speeds of the last three samples, the latest first, and how many had the same factor.
+    planned: [f64; 3],
     factor: f64,
+    same_factor: u32,
+    /// Length of the last interval, if it is unambiguous.
     length: f64,
-    certain: f64,
+    ratio_error: Option<f64>,
 }
 
 impl OverrideCheck {
@@ -117,7 +116,10 @@ impl OverrideCheck {
             settled_by_s: 0.0,
             violated: false,
             changed_max: 0.0,
-            planned: [Steady::default(); 4],
+            planned: [0.0; 3],
+            factor: f64::NAN,
+            same_factor: 0,
+            length: 0.0,
             ratio_error: None,
         }
     }
@@ -141,24 +143,27 @@ impl OverrideCheck {
         if interval.factor != 1.0 {
             self.changed_max = self.changed_max.max(setpoint_deviation);
         }
-        self.planned.rotate_left(1);
-        let (length, certain) = (interval.length, interval.certain);
-        self.planned[3] = Steady { planned, factor: interval.factor, length, certain };
-        self.compare_speeds();
+        self.same_factor = if interval.factor == self.factor { self.same_factor + 1 } else { 1 };
+        self.factor = interval.factor;
+        self.compare_speeds(planned);
+        self.planned = [planned, self.planned[0], self.planned[1]];
+        // at a corner the foot runs further than the set point; at a reversal it is ambiguous
+        let straight = interval.length - interval.certain <= 1e-3 * interval.length;
+        self.length = if straight { interval.length } else { 0.0 };
     }
 
-    /// Judges the second last interval, when planned speed changes evenly all around it: then its mean is known.
+    /// Judges the last interval when planned speed changes evenly before, in and after it: then its mean is known.
     #[inline]
-    fn compare_speeds(&mut self) {
-        let [a, b, c, d] = self.planned;
-        let mean = 0.5 * (b.planned + c.planned);
-        let bend = (a.planned - 2.0 * b.planned + c.planned).abs() + (b.planned - 2.0 * c.planned + d.planned).abs();
-        let settled = a.factor == b.factor && b.factor == c.factor && c.factor == d.factor && c.factor > 0.0;
-        // at a corner the foot runs further than the set point; at a reversal it is ambiguous
-        let straight = c.length - c.certain <= 1e-3 * c.length;
-        if mean > 0.0 && a.planned > 0.0 && d.planned > 0.0 && bend <= 1e-7 * mean && settled && straight {
-            let error = (c.length / (c.factor * self.sample_time_s * mean) - 1.0).abs();
-            self.ratio_error = Some(self.ratio_error.unwrap_or(0.0).max(error));
+    fn compare_speeds(&mut self, after: f64) {
+        let [end, start, before] = self.planned;
+        let mean = 0.5 * (start + end);
+        let bend = (before - 2.0 * start + end).abs() + (start - 2.0 * end + after).abs();
+        let standing = before <= 0.0 || after <= 0.0 || self.length <= 0.0 || self.factor <= 0.0;
+        if bend <= 1e-7 * mean && self.same_factor >= 4 && !standing {
+            let error = (self.length / (self.factor * self.sample_time_s * mean) - 1.0).abs();
+            if self.ratio_error.is_none_or(|worst| error > worst) {
+                self.ratio_error = Some(error);
+            }
         }
     }
 

@@ -12,7 +12,7 @@
 //! programmed velocity; for the actual path, which lags, it is the set point's foot.
 
 use crate::path::Path;
-use crate::segment::Nearest;
+use crate::segment::{Nearest, Radial};
 
 /// Distance by which windows exceed what velocities allow: corners of merged blocks, rounding.
 pub const SLACK_MM: f64 = 0.02;
@@ -67,12 +67,21 @@ impl<const N: usize> Sample<N> {
     }
 }
 
+/// The nearest place found so far.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    place: Place,
+    d2: f64,
+    radial: Radial,
+}
+
 /// Follows one trace along the path.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Follower {
     pub foot: Place,
     /// Squared distance of the last sample from the path.
     pub d2: f64,
+    radial: Radial,
     /// Time for which the foot has been stuck, s (profile time).
     stuck_s: f64,
 }
@@ -91,13 +100,31 @@ impl Follower {
         let reach = (path.reach(self.foot, ADVANCE * time_s) + SLACK_MM).min(cap_s);
         let before = self.foot;
         let last_d2 = self.d2;
-        let found = nearest_until(path, x, before, reach);
-        (self.foot, self.d2) = found;
+        let found = nearest_until(path, x, before, reach, self.radial);
+        self.take(found);
         if self.d2 > TIE_D2 {
             self.look_further(path, x, before, last_d2, reach, time_s, cap_s);
         } else {
             self.stuck_s = 0.0;
         }
+    }
+
+    #[inline]
+    fn take(&mut self, found: Found) {
+        (self.foot, self.d2, self.radial) = (found.place, found.d2, found.radial);
+    }
+
+    /// Sets the foot back to a place.
+    pub fn put(&mut self, foot: Place) {
+        (self.foot, self.radial) = (foot, None);
+    }
+
+    /// Signed distance of the sample from its foot in the plane; see [`Shape::left_of`](crate::segment::Shape).
+    #[inline]
+    pub fn left_of<const N: usize>(&self, path: &Path, x: &mut Sample<N>) -> f64 {
+        let segment = &path.segments[self.foot.segment];
+        let shape = path.shape::<N>(self.foot.segment);
+        shape.left_of(segment.plane_scale, x.in_row(path, segment.scale), self.foot.t, self.radial)
     }
 
     /// Rules 2 to 4, for samples off the path.
@@ -119,11 +146,13 @@ impl Follower {
         // both legs of a sharp corner, equally far from its tip
         let legs = if near.sharp_end { 2.0 * (near.length - self.foot.t) } else { 0.0 };
         let corner = (path.s_of(self.foot) + CORNER_REACH * self.d2.sqrt() + legs).max(reach).min(cap);
-        if corner > reach {
+        // on a line that the window ends on, what lies behind a foot before its end is further away
+        let same_line = near.is_line() && corner <= near.s0 + near.length && path.s_of(self.foot) < reach;
+        if corner > reach && !same_line {
             let from = path.place_near(self.foot, reach);
-            let (foot, d2) = nearest_until(path, x, from, corner);
-            if d2 < self.d2 - TIE_D2 {
-                (self.foot, self.d2) = (foot, d2);
+            let found = nearest_until(path, x, from, corner, None);
+            if found.d2 < self.d2 - TIE_D2 {
+                self.take(found);
             }
         }
         if path.s_of(self.foot) >= corner - ARRIVED_MM && corner < cap {
@@ -145,12 +174,12 @@ impl Follower {
     fn descend<const N: usize>(&mut self, path: &Path, x: &mut Sample<N>, cap: f64) {
         let mut from = self.foot;
         while let Some(piece) = path.piece_at::<N>(from, cap) {
-            let near = path.nearest_in(x, piece);
+            let near = path.nearest_in(x, piece, None);
             if near.d2 > self.d2 - TIE_D2 && near.t > piece.a {
                 break;
             }
             if near.d2 <= self.d2 {
-                (self.foot, self.d2) = (Place { segment: piece.segment, t: near.t }, near.d2);
+                self.take(near.on(piece));
             }
             if near.t < piece.b {
                 break;
@@ -164,9 +193,9 @@ impl Follower {
         let mut from = self.foot;
         let enough = self.d2 * (1.0 - 1e-6) - TIE_D2;
         while let Some(piece) = path.piece_at::<N>(from, cap) {
-            let near = path.nearest_in(x, piece);
+            let near = path.nearest_in(x, piece, None);
             if near.d2 < enough {
-                (self.foot, self.d2) = (Place { segment: piece.segment, t: near.t }, near.d2);
+                self.take(near.on(piece));
                 self.stuck_s = 0.0;
                 return self.descend(path, x, cap);
             }
@@ -183,20 +212,26 @@ pub(crate) struct Piece {
     b: f64,
 }
 
-/// The nearest place from `from` to path length `to`, ties earliest, and its squared distance.
+impl Nearest {
+    #[inline]
+    fn on(self, piece: Piece) -> Found {
+        Found { place: Place { segment: piece.segment, t: self.t }, d2: self.d2, radial: self.radial }
+    }
+}
+
+/// The nearest place from `from` to path length `to`, ties earliest. `radial`: direction at `from`, if it is known.
 #[inline]
-fn nearest_until<const N: usize>(path: &Path, x: &mut Sample<N>, from: Place, to: f64) -> (Place, f64) {
-    let Some(first) = path.piece_at::<N>(from, to) else {
-        return (from, path.nearest_in(x, Piece { segment: from.segment, a: from.t, b: from.t }).d2);
-    };
-    let near = path.nearest_in(x, first);
-    let mut best = (Place { segment: first.segment, t: near.t }, near.d2);
+fn nearest_until<const N: usize>(path: &Path, x: &mut Sample<N>, from: Place, to: f64, radial: Radial) -> Found {
+    let here = Piece { segment: from.segment, a: from.t, b: from.t };
+    let Some(first) = path.piece_at::<N>(from, to) else { return path.nearest_in(x, here, radial).on(here) };
+    let radial = if first.segment == from.segment { radial } else { None };
+    let mut best = path.nearest_in(x, first, radial).on(first);
     let mut last = first;
-    while best.1 > TIE_D2 {
+    while best.d2 > TIE_D2 {
         let Some(piece) = path.piece_at::<N>(Place { segment: last.segment, t: last.b }, to) else { break };
-        let near = path.nearest_in(x, piece);
-        if near.d2 < best.1 - TIE_D2 {
-            best = (Place { segment: piece.segment, t: near.t }, near.d2);
+        let near = path.nearest_in(x, piece, None);
+        if near.d2 < best.d2 - TIE_D2 {
+            best = near.on(piece);
         }
         last = piece;
     }
@@ -207,13 +242,6 @@ impl Path {
     #[inline]
     pub(crate) fn s_of(&self, place: Place) -> f64 {
         self.segments.get(place.segment).map_or(0.0, |s| s.s0 + place.t)
-    }
-
-    /// Signed distance of a sample from its foot in the plane; see [`Shape::left_of`](crate::segment::Shape).
-    #[inline]
-    pub(crate) fn left_of<const N: usize>(&self, foot: Place, x: &mut Sample<N>) -> f64 {
-        let segment = &self.segments[foot.segment];
-        self.shape::<N>(foot.segment).left_of(segment.plane_scale, x.in_row(self, segment.scale), foot.t)
     }
 
     /// Path length that programmed velocity reaches from a place in a time.
@@ -258,8 +286,8 @@ impl Path {
     }
 
     #[inline]
-    fn nearest_in<const N: usize>(&self, x: &mut Sample<N>, piece: Piece) -> Nearest {
+    fn nearest_in<const N: usize>(&self, x: &mut Sample<N>, piece: Piece, radial: Radial) -> Nearest {
         let row = self.segments[piece.segment].scale;
-        self.shape::<N>(piece.segment).nearest(x.in_row(self, row), piece.a, piece.b)
+        self.shape::<N>(piece.segment).nearest(x.in_row(self, row), piece.a, piece.b, radial)
     }
 }

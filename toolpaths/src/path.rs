@@ -110,7 +110,7 @@ impl Path {
             length: 0.0,
             speed: 1.0,
             slowness: 1.0,
-            plane_scale: f64::INFINITY,
+            plane_scale: f64::NAN,
             circle: LINE,
             block: 0,
             scale: 0,
@@ -174,7 +174,8 @@ impl Path {
             let number = if turns { self.circles.len() as u32 } else { LINE };
             if turns {
                 let rate = phi / length;
-                self.circles.push(Circle { c1, c2, center, radius, theta0, rate, helical: straight > 0.0 });
+                let (mm_per_radian, helical) = (1.0 / rate, straight > 0.0);
+                self.circles.push(Circle { c1, c2, center, radius, theta0, rate, mm_per_radian, helical });
             }
             self.push_segment(sequence, i, length, &here, &slope, number);
         }
@@ -215,7 +216,7 @@ impl Path {
             speed: seq.vl[i],
             slowness: 1.0 / seq.vl[i],
             // below this a line is a move along the third axis, but for rounding
-            plane_scale: if plane > 1e-9 { 1.0 / plane } else { f64::INFINITY },
+            plane_scale: if plane > 1e-9 { 1.0 / plane } else { f64::NAN },
             circle,
             block: self.blocks.len() as u32 - 1,
             scale: seq.effradius_of[i],

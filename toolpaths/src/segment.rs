@@ -1,6 +1,6 @@
 //! Lines, circles and helices in the metric of design D7, parametrised by arc length; foot points on pieces of them.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Marks a segment without circle.
 pub const LINE: u32 = u32::MAX;
@@ -14,7 +14,7 @@ pub struct Segment {
     /// Programmed velocity, mm/s, and its inverse.
     pub speed: f64,
     pub slowness: f64,
-    /// 1 over the length of the tangent in the X-Y plane; infinite where it has no direction there.
+    /// 1 over the length of the tangent in the X-Y plane; NaN where it has no direction there.
     pub plane_scale: f64,
     /// Number in the path's circles, or [`LINE`].
     pub circle: u32,
@@ -23,6 +23,12 @@ pub struct Segment {
     pub scale: u16,
     /// The path turns back at its end, by more than a right angle.
     pub sharp_end: bool,
+}
+
+impl Segment {
+    pub fn is_line(&self) -> bool {
+        self.circle == LINE
+    }
 }
 
 /// The circular part of a circle or helix.
@@ -34,8 +40,9 @@ pub struct Circle {
     pub radius: f64,
     /// Angle of the start point, rad.
     pub theta0: f64,
-    /// Radians per mm of path, counter-clockwise positive.
+    /// Radians per mm of path, counter-clockwise positive, and its inverse.
     pub rate: f64,
+    pub mm_per_radian: f64,
     /// Other axes move too.
     pub helical: bool,
 }
@@ -45,7 +52,12 @@ pub struct Circle {
 pub struct Nearest {
     pub t: f64,
     pub d2: f64,
+    /// On a circle: direction from its centre to the foot, where it is known.
+    pub radial: Radial,
 }
+
+/// Unit vector from a circle's centre in its plane; kept from sample to sample, because sines are dear.
+pub type Radial = Option<[f64; 2]>;
 
 /// Geometry of one segment, with the columns it needs at hand.
 #[derive(Clone, Copy)]
@@ -69,37 +81,70 @@ impl<const N: usize> Shape<'_, N> {
 
     /// Longest piece on which the distance has one minimum only, as far as is needed: a quarter turn.
     pub fn piece(&self) -> f64 {
-        self.circle.map_or(f64::INFINITY, |c| FRAC_PI_2 / c.rate.abs())
+        self.circle.map_or(f64::INFINITY, |c| FRAC_PI_2 * c.mm_per_radian.abs())
     }
 
     /// Nearest point on the piece from `a` to `b` (mm from the start), which must not be longer than [`Shape::piece`].
-    pub fn nearest(&self, x: &[f64; N], a: f64, b: f64) -> Nearest {
+    /// `radial`: direction at `a`, if it is known.
+    #[inline]
+    pub fn nearest(&self, x: &[f64; N], a: f64, b: f64, radial: Radial) -> Nearest {
         match self.circle {
             None => self.nearest_on_line(x, a, b),
             Some(c) if c.helical => self.nearest_on_helix(c, x, a, b),
-            Some(c) => self.nearest_on_circle(c, x, a, b),
+            Some(c) => self.nearest_on_circle(c, x, a, b, radial),
         }
     }
 
+    #[inline]
     fn nearest_on_line(&self, x: &[f64; N], a: f64, b: f64) -> Nearest {
-        let along: f64 = (0..N).map(|i| (x[i] - self.start[i]) * self.slope[i]).sum();
+        let off: [f64; N] = std::array::from_fn(|i| x[i] - self.start[i]);
+        let mut along = 0.0;
+        for (off, slope) in off.iter().zip(self.slope) {
+            along += off * slope;
+        }
         let t = along.max(a).min(b);
-        let d2 = (0..N).map(|i| (x[i] - self.start[i] - t * self.slope[i]).powi(2)).sum();
-        Nearest { t, d2 }
+        let mut d2 = 0.0;
+        for (off, slope) in off.iter().zip(self.slope) {
+            let d = off - t * slope;
+            d2 += d * d;
+        }
+        Nearest { t, d2, radial: None }
     }
 
-    fn nearest_on_circle(&self, c: &Circle, x: &[f64; N], a: f64, b: f64) -> Nearest {
+    fn nearest_on_circle(&self, c: &Circle, x: &[f64; N], a: f64, b: f64, radial: Radial) -> Nearest {
         let (dx, dy) = (x[c.c1] - c.center[0], x[c.c2] - c.center[1]);
-        let middle = c.theta0 + 0.5 * (a + b) * c.rate;
-        let turned = dy.atan2(dx) - middle;
-        let t = 0.5 * (a + b) + (turned - TAU * (turned / TAU).round()) / c.rate;
-        if !(t >= a && t <= b) {
-            let t = t.max(a).min(b);
-            return Nearest { t, d2: squared_distance(x, &self.point(t)) };
+        let at_a = radial.unwrap_or_else(|| self.radial(c, a));
+        let turned = angle(at_a[0] * dy - at_a[1] * dx, at_a[0] * dx + at_a[1] * dy);
+        let t = a + turned * c.mm_per_radian;
+        if t >= a && t <= b {
+            let rho = (dx * dx + dy * dy).sqrt();
+            let off = rho - c.radius;
+            // the other axes stand still on a circle
+            let mut d2 = off * off;
+            for (i, (x, start)) in x.iter().zip(self.start).enumerate() {
+                if i != c.c1 && i != c.c2 {
+                    d2 += (x - start) * (x - start);
+                }
+            }
+            // in the very centre every direction is as good
+            return Nearest { t, d2, radial: (rho > 0.0).then(|| [dx / rho, dy / rho]) };
         }
-        let off = (dx * dx + dy * dy).sqrt() - c.radius;
-        let others = (0..N).filter(|&i| i != c.c1 && i != c.c2).map(|i| (x[i] - self.start[i]).powi(2));
-        Nearest { t, d2: off * off + others.sum::<f64>() }
+        // behind `a`, unless the other way round to `b` is shorter
+        let nearer_a = t < a && (a - t) <= PI * c.mm_per_radian.abs() - 0.5 * (b - a);
+        let (t, radial) = if nearer_a { (a, at_a) } else { (b, self.radial(c, b)) };
+        let mut foot: [f64; N] = *self.start;
+        foot[c.c1] = c.center[0] + c.radius * radial[0];
+        foot[c.c2] = c.center[1] + c.radius * radial[1];
+        Nearest { t, d2: squared_distance(x, &foot), radial: Some(radial) }
+    }
+
+    fn radial(&self, c: &Circle, t: f64) -> [f64; 2] {
+        if t == 0.0 {
+            let (dx, dy) = (self.start[c.c1] - c.center[0], self.start[c.c2] - c.center[1]);
+            return [dx / c.radius, dy / c.radius];
+        }
+        let (sin, cos) = (c.theta0 + t * c.rate).sin_cos();
+        [cos, sin]
     }
 
     /// Half the derivative of the squared distance by path length, and half its second derivative.
@@ -119,7 +164,7 @@ impl<const N: usize> Shape<'_, N> {
 
     /// Newton's method, kept inside the piece by bisection; the ends compete where the distance is not convex.
     fn nearest_on_helix(&self, c: &Circle, x: &[f64; N], a: f64, b: f64) -> Nearest {
-        let at = |t: f64| Nearest { t, d2: squared_distance(x, &self.point(t)) };
+        let at = |t: f64| Nearest { t, d2: squared_distance(x, &self.point(t)), radial: None };
         let (mut low, mut high) = (a, b);
         let rises_at_a = self.helix_slope(c, x, a).0 >= 0.0;
         let falls_at_b = self.helix_slope(c, x, b).0 <= 0.0;
@@ -148,20 +193,47 @@ impl<const N: usize> Shape<'_, N> {
 
     /// Signed distance of `x` from the foot at `t` in the plane, positive to the left of the direction of motion:
     /// the circle's plane for circles, the first two axes for lines; NaN where the path has no direction there.
-    pub fn left_of(&self, plane_scale: f64, x: &[f64; N], t: f64) -> f64 {
+    #[inline]
+    pub fn left_of(&self, plane_scale: f64, x: &[f64; N], t: f64, radial: Radial) -> f64 {
         let Some(c) = self.circle else {
-            if !plane_scale.is_finite() {
-                return f64::NAN;
-            }
             let off = |i: usize| x[i] - self.start[i] - t * self.slope[i];
             return (self.slope[0] * off(1) - self.slope[1] * off(0)) * plane_scale;
         };
-        let (sin, cos) = (c.theta0 + t * c.rate).sin_cos();
+        let out = radial.unwrap_or_else(|| self.radial(c, t));
         let (dx, dy) = (x[c.c1] - c.center[0], x[c.c2] - c.center[1]);
-        (c.radius - dx * cos - dy * sin) * c.rate.signum()
+        (c.radius - dx * out[0] - dy * out[1]) * c.rate.signum()
     }
+}
+
+/// Angle of a vector, of which most are small here.
+#[inline]
+fn angle(sin: f64, cos: f64) -> f64 {
+    let x = sin / cos;
+    if cos <= 0.0 || x.abs() > 0.05 {
+        return sin.atan2(cos);
+    }
+    let q = x * x;
+    // the next term is below 1e-16 relative
+    let series = 1.0 / 11.0 - q * (1.0 / 13.0);
+    let series = 1.0 / 7.0 - q * (1.0 / 9.0 - q * series);
+    x * (1.0 - q * (1.0 / 3.0 - q * (1.0 / 5.0 - q * series)))
 }
 
 pub fn squared_distance<const N: usize>(x: &[f64; N], y: &[f64; N]) -> f64 {
     (0..N).map(|i| (x[i] - y[i]).powi(2)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_angles_are_exact() {
+        for i in -2000..=2000 {
+            let a = f64::from(i) * 1e-4;
+            let found = angle(3.0 * a.sin(), 3.0 * a.cos());
+            assert!((found - a).abs() <= 4e-16 * a.abs(), "{a}: {found}");
+        }
+        assert!((angle(0.0, -1.0) - PI).abs() < 1e-15);
+    }
 }

@@ -8,21 +8,53 @@ pub struct MinMax {
 }
 
 impl MinMax {
+    /// Empty ranges while collecting: comparisons are then plain, and NaN never enters.
     fn empty(n: usize) -> Self {
-        MinMax { min: vec![f32::NAN; n], max: vec![f32::NAN; n] }
+        MinMax { min: vec![f32::INFINITY; n], max: vec![f32::NEG_INFINITY; n] }
     }
     #[inline]
     fn add(&mut self, bucket: usize, value: f32) {
-        // f32::min and max ignore NaN on either side
-        self.min[bucket] = self.min[bucket].min(value);
-        self.max[bucket] = self.max[bucket].max(value);
+        if value < self.min[bucket] {
+            self.min[bucket] = value;
+        }
+        if value > self.max[bucket] {
+            self.max[bucket] = value;
+        }
+    }
+    fn push(&mut self, range: Range) {
+        self.min.push(range.min as f32);
+        self.max.push(range.max as f32);
     }
     fn halve(&mut self) {
-        let pairs = |v: &[f32], pick: fn(f32, f32) -> f32| -> Vec<f32> {
-            v.chunks(2).map(|c| c.iter().copied().fold(f32::NAN, pick)).collect()
-        };
-        self.min = pairs(&self.min, f32::min);
-        self.max = pairs(&self.max, f32::max);
+        self.min = self.min.chunks(2).map(|c| c.iter().copied().fold(f32::INFINITY, f32::min)).collect();
+        self.max = self.max.chunks(2).map(|c| c.iter().copied().fold(f32::NEG_INFINITY, f32::max)).collect();
+    }
+    fn finish(&mut self) {
+        for (min, max) in self.min.iter_mut().zip(&mut self.max).filter(|(min, max)| min > max) {
+            (*min, *max) = (f32::NAN, f32::NAN);
+        }
+    }
+}
+
+/// A range being collected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Range {
+    pub min: f64,
+    pub max: f64,
+}
+
+impl Default for Range {
+    fn default() -> Self {
+        Range::EMPTY
+    }
+}
+
+impl Range {
+    pub const EMPTY: Range = Range { min: f64::INFINITY, max: f64::NEG_INFINITY };
+    #[inline]
+    pub fn add(&mut self, value: f64) {
+        self.min = if value < self.min { value } else { self.min };
+        self.max = if value > self.max { value } else { self.max };
     }
 }
 
@@ -30,6 +62,7 @@ impl MinMax {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LengthSeries {
     pub bucket_mm: f64,
+    per_mm: f64,
     pub setpoint_mm: MinMax,
     pub actual_mm: MinMax,
     /// Signed deviation of the load side in the plane, + = left.
@@ -41,6 +74,8 @@ impl LengthSeries {
         let n = buckets.max(1);
         LengthSeries {
             bucket_mm: length_mm / n as f64,
+            // an empty path has one place only
+            per_mm: if length_mm > 0.0 { n as f64 / length_mm } else { 0.0 },
             setpoint_mm: MinMax::empty(n),
             actual_mm: MinMax::empty(n),
             signed_mm: MinMax::empty(n),
@@ -48,8 +83,7 @@ impl LengthSeries {
     }
     #[inline]
     fn bucket(&self, s: f64) -> usize {
-        // 0 / 0 on an empty path casts to 0
-        ((s / self.bucket_mm) as usize).min(self.actual_mm.min.len() - 1)
+        ((s * self.per_mm) as usize).min(self.actual_mm.min.len() - 1)
     }
     #[inline]
     pub(crate) fn add(&mut self, s_setpoint: f64, setpoint: f32, s_actual: f64, actual: f32, signed: f32) {
@@ -57,6 +91,9 @@ impl LengthSeries {
         self.setpoint_mm.add(set, setpoint);
         self.actual_mm.add(act, actual);
         self.signed_mm.add(act, signed);
+    }
+    pub(crate) fn finish(&mut self) {
+        [&mut self.setpoint_mm, &mut self.actual_mm, &mut self.signed_mm].into_iter().for_each(MinMax::finish);
     }
 }
 
@@ -74,24 +111,27 @@ pub struct TimeSeries {
     pub following: Vec<MinMax>,
     capacity: usize,
     filled: u64,
-    current: Vec<(f32, f32)>,
+    current: [Range; 4],
+    current_following: Vec<Range>,
 }
-
-const NOTHING: (f32, f32) = (f32::NAN, f32::NAN);
 
 impl TimeSeries {
     pub(crate) fn new(axes: usize, buckets: usize) -> Self {
         let following = vec![MinMax::default(); axes];
-        let current = vec![NOTHING; 4 + axes];
+        let current_following = vec![Range::EMPTY; axes];
         let capacity = buckets.max(2).next_multiple_of(2);
-        TimeSeries { samples_per_bucket: 1, following, capacity, current, ..TimeSeries::default() }
+        TimeSeries { samples_per_bucket: 1, following, capacity, current_following, ..TimeSeries::default() }
     }
 
-    /// One sample: the four curves, then following errors.
+    /// One sample: path velocity, programmed velocity, factor, deviation of the load side, and set points and
+    /// encoder positions, whose difference is the following error.
     #[inline]
-    pub(crate) fn add(&mut self, values: [f32; 4], following: impl Iterator<Item = f32>) {
-        for (range, value) in self.current.iter_mut().zip(values.into_iter().chain(following)) {
-            *range = (range.0.min(value), range.1.max(value));
+    pub(crate) fn add(&mut self, values: [f64; 4], dp: &[f64], rp: &[f64]) {
+        for (range, value) in self.current.iter_mut().zip(values) {
+            range.add(value);
+        }
+        for (range, (d, r)) in self.current_following.iter_mut().zip(dp.iter().zip(rp)) {
+            range.add(d - r);
         }
         self.filled += 1;
         if self.filled == self.samples_per_bucket {
@@ -104,16 +144,15 @@ impl TimeSeries {
         if self.filled > 0 {
             self.close_bucket();
         }
+        self.columns().for_each(MinMax::finish);
     }
 
     fn close_bucket(&mut self) {
-        let ranges = std::mem::take(&mut self.current);
-        for (column, range) in self.columns().zip(&ranges) {
-            column.min.push(range.0);
-            column.max.push(range.1);
-        }
-        self.current = ranges;
-        self.current.fill(NOTHING);
+        let (own, following) = (self.current, std::mem::take(&mut self.current_following));
+        self.columns().zip(own.iter().chain(&following)).for_each(|(column, range)| column.push(*range));
+        self.current = [Range::EMPTY; 4];
+        self.current_following = following;
+        self.current_following.fill(Range::EMPTY);
         self.filled = 0;
         if self.speed.min.len() == self.capacity {
             self.columns().for_each(MinMax::halve);
@@ -136,7 +175,7 @@ mod tests {
         let mut series = TimeSeries::new(1, 64);
         for k in 0..10_000u32 {
             let peak = if k == 7_777 { 42.0 } else { 1.0 };
-            series.add([peak, 0.0, 1.0, 0.0], [-peak].into_iter());
+            series.add([peak, 0.0, 1.0, 0.0], &[0.0], &[peak]);
         }
         series.finish();
         assert!(series.speed.max.len() <= 64);

@@ -139,6 +139,14 @@ struct Step {
     interval: Interval,
     speed: f64,
     programmed: f64,
+    deviation: f64,
+}
+
+/// Where the load side is: its foot may be ahead of the set point's by an overshoot.
+struct Measured {
+    foot: Place,
+    deviation: f64,
+    signed: f64,
 }
 
 impl Tracker {
@@ -197,20 +205,20 @@ impl Tracker {
             let (dp, load, rp) = (&chunk.dp[row.clone()], &chunk.load[row.clone()], &chunk.rp[row]);
             let sample = chunk.first_sample + k as u64;
             let step = self.advance_setpoint::<N>(&path, sample, dp, chunk.factor[k]);
-            let (foot, signed) = self.advance_actual::<N>(&path, sample, load, chunk.factor[k]);
+            let actual = self.advance_actual::<N>(&path, sample, load, chunk.factor[k]);
 
-            let d2 = self.setpoint.follower.d2;
             let time_s = (sample + 1) as f64 * self.options.sample_time_s;
             self.feed.add(&step.interval);
-            self.overrides.add(time_s, &step.interval, chunk.v_plan[k], d2.sqrt());
+            self.overrides.add(time_s, &step.interval, chunk.v_plan[k], step.deviation);
             self.add_following(dp, rp);
 
-            let (set_mm, actual_mm) = (d2.sqrt() as f32, self.actual.follower.d2.sqrt() as f32);
+            let (set_mm, actual_mm) = (step.deviation as f32, actual.deviation as f32);
+            let (foot, signed) = (actual.foot, actual.signed);
             let (s_set, s_actual) = (self.setpoint.follower.s(&path), path.s_of(foot));
             self.lag_max = self.lag_max.max(s_set - s_actual);
             self.over_length.add(s_set, set_mm, s_actual, actual_mm, signed as f32);
-            let curves = [step.speed as f32, step.programmed as f32, chunk.factor[k] as f32, actual_mm];
-            self.over_time.add(curves, dp.iter().zip(rp).map(|(d, r)| (d - r) as f32));
+            let curves = [step.speed, step.programmed, chunk.factor[k], actual.deviation];
+            self.over_time.add(curves, dp, rp);
             self.watched.add(s_actual, actual_mm);
 
             put(out.actual_mm, k, actual_mm);
@@ -231,10 +239,10 @@ impl Tracker {
         self.setpoint.follower.step(path, &mut x, time_s * factor, f64::INFINITY);
         let foot = self.setpoint.follower.foot;
         let segment = &path.segments[foot.segment];
-        let d2 = self.setpoint.follower.d2;
-        let signed = path.left_of::<N>(foot, &mut x);
-        self.setpoint.deviations.add(d2, signed, sample, segment.block, dp);
-        self.blocks[segment.block as usize].setpoint.add(d2);
+        let deviation = self.setpoint.follower.d2.sqrt();
+        let signed = self.setpoint.follower.left_of(path, &mut x);
+        self.setpoint.deviations.add(deviation, signed, sample, segment.block, dp);
+        self.blocks[segment.block as usize].setpoint.add(deviation);
 
         let length = path.s_of(foot) - path.s_of(before);
         let mut certain = length;
@@ -249,7 +257,7 @@ impl Tracker {
         self.last_dp.copy_from_slice(dp);
         let rapid = path.block(segment.block).rapid;
         let interval = Interval { time_s, factor, length, programmed_s, certain, rapid };
-        Step { interval, speed: length / time_s, programmed: segment.speed * factor }
+        Step { interval, speed: length / time_s, programmed: segment.speed * factor, deviation }
     }
 
     /// Shares an interval out to the blocks that it crosses; returns the time their programmed velocities need.
@@ -267,8 +275,7 @@ impl Tracker {
         programmed_s
     }
 
-    /// Returns the foot that was found, which may be ahead of the set point's by an overshoot, and the signed deviation.
-    fn advance_actual<const N: usize>(&mut self, path: &Path, sample: u64, load: &[f64], factor: f64) -> (Place, f64) {
+    fn advance_actual<const N: usize>(&mut self, path: &Path, sample: u64, load: &[f64], factor: f64) -> Measured {
         let time_s = self.options.sample_time_s;
         // about a second: far longer than an axis lags
         self.recent_factor = factor.max(self.recent_factor * 0.999);
@@ -279,25 +286,25 @@ impl Tracker {
         let mut x = Sample::<N>::new(path, load, row);
         follower.step(path, &mut x, time_s * self.recent_factor, cap);
         let foot = follower.foot;
-        let d2 = follower.d2;
+        let deviation = follower.d2.sqrt();
+        let signed = follower.left_of(path, &mut x);
         if path.s_of(foot) > path.s_of(set_foot) {
             // an overshoot at a stop is given back
-            follower.foot = set_foot;
+            follower.put(set_foot);
         }
-        let signed = path.left_of::<N>(foot, &mut x);
         let block = path.segments[foot.segment].block;
-        self.actual.deviations.add(d2, signed, sample, block, load);
+        self.actual.deviations.add(deviation, signed, sample, block, load);
         let stats = &mut self.blocks[block as usize];
-        stats.actual.add(d2);
+        stats.actual.add(deviation);
         stats.add_signed(signed);
-        (foot, signed)
+        Measured { foot, deviation, signed }
     }
 
     #[inline]
     fn add_following(&mut self, dp: &[f64], rp: &[f64]) {
         for ((max, squares), (d, r)) in self.following.iter_mut().zip(dp.iter().zip(rp)) {
             let error = d - r;
-            *max = max.max(error.abs());
+            *max = if error.abs() > *max { error.abs() } else { *max };
             *squares += error * error;
         }
     }
@@ -310,6 +317,7 @@ impl Tracker {
     /// What was measured so far; call it after the last chunk.
     pub fn finish(&mut self) -> Summary {
         self.over_time.finish();
+        self.over_length.finish();
         let path = &self.path;
         let line_of = |block: u32| path.block(block).line;
         let foot = self.setpoint.follower.foot;
