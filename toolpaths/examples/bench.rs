@@ -69,7 +69,7 @@ fn measure(name: &str, program: &Program) {
     let built = start.elapsed();
     let mut best = f64::INFINITY;
     let mut summary = None;
-    for _ in 0..5 {
+    for _ in 0..20 {
         let mut tracker = Tracker::new(Arc::clone(&path), TrackerOptions { sample_time_s: TA, ..Default::default() });
         let mut actual = vec![0.0; 4096];
         let start = Instant::now();
@@ -89,7 +89,7 @@ fn measure(name: &str, program: &Program) {
         best = best.min(start.elapsed().as_secs_f64() / run.len() as f64 * 1e9);
         summary = Some(tracker.finish());
     }
-    let summary = summary.expect("five rounds");
+    let summary = summary.expect("rounds");
     println!(
         "{name}: {} blocks, {} samples, {best:.1} ns/sample for both traces, path built in {:.1} ns/block; \
          set point {:.2e} mm, actual {:.4} mm",

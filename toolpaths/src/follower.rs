@@ -146,9 +146,11 @@ impl Follower {
         // both legs of a sharp corner, equally far from its tip
         let legs = if near.sharp_end { 2.0 * (near.length - self.foot.t) } else { 0.0 };
         let corner = (path.s_of(self.foot) + CORNER_REACH * self.d2.sqrt() + legs).max(reach).min(cap);
-        // on a line that the window ends on, what lies behind a foot before its end is further away
-        let same_line = near.is_line() && corner <= near.s0 + near.length && path.s_of(self.foot) < reach;
-        if corner > reach && !same_line {
+        // within a piece of one segment, what lies behind a foot before the window's end is further away
+        let there = path.s_of(self.foot);
+        let piece_end = there + path.shape::<N>(self.foot.segment).piece();
+        let same_piece = corner <= (near.s0 + near.length).min(piece_end) && there < reach;
+        if corner > reach && !same_piece {
             let from = path.place_near(self.foot, reach);
             let found = nearest_until(path, x, from, corner, None);
             if found.d2 < self.d2 - TIE_D2 {

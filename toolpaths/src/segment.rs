@@ -25,12 +25,6 @@ pub struct Segment {
     pub sharp_end: bool,
 }
 
-impl Segment {
-    pub fn is_line(&self) -> bool {
-        self.circle == LINE
-    }
-}
-
 /// The circular part of a circle or helix.
 #[derive(Clone, Copy, Debug)]
 pub struct Circle {
@@ -69,16 +63,6 @@ pub struct Shape<'a, const N: usize> {
 }
 
 impl<const N: usize> Shape<'_, N> {
-    pub fn point(&self, t: f64) -> [f64; N] {
-        let mut p: [f64; N] = std::array::from_fn(|a| self.start[a] + t * self.slope[a]);
-        if let Some(c) = self.circle {
-            let (sin, cos) = (c.theta0 + t * c.rate).sin_cos();
-            p[c.c1] = c.center[0] + c.radius * cos;
-            p[c.c2] = c.center[1] + c.radius * sin;
-        }
-        p
-    }
-
     /// Longest piece on which the distance has one minimum only, as far as is needed: a quarter turn.
     pub fn piece(&self) -> f64 {
         self.circle.map_or(f64::INFINITY, |c| FRAC_PI_2 * c.mm_per_radian.abs())
@@ -90,7 +74,9 @@ impl<const N: usize> Shape<'_, N> {
     pub fn nearest(&self, x: &[f64; N], a: f64, b: f64, radial: Radial) -> Nearest {
         match self.circle {
             None => self.nearest_on_line(x, a, b),
-            Some(c) if c.helical => self.nearest_on_helix(c, x, a, b),
+            Some(c) if c.helical => {
+                self.near_helix(c, x, a, b, radial).unwrap_or_else(|| self.nearest_on_helix(c, x, a, b))
+            }
             Some(c) => self.nearest_on_circle(c, x, a, b, radial),
         }
     }
@@ -132,10 +118,7 @@ impl<const N: usize> Shape<'_, N> {
         // behind `a`, unless the other way round to `b` is shorter
         let nearer_a = t < a && (a - t) <= PI * c.mm_per_radian.abs() - 0.5 * (b - a);
         let (t, radial) = if nearer_a { (a, at_a) } else { (b, self.radial(c, b)) };
-        let mut foot: [f64; N] = *self.start;
-        foot[c.c1] = c.center[0] + c.radius * radial[0];
-        foot[c.c2] = c.center[1] + c.radius * radial[1];
-        Nearest { t, d2: squared_distance(x, &foot), radial: Some(radial) }
+        Nearest { t, d2: squared_distance(x, &self.at_direction(c, t, radial)), radial: Some(radial) }
     }
 
     fn radial(&self, c: &Circle, t: f64) -> [f64; 2] {
@@ -147,13 +130,14 @@ impl<const N: usize> Shape<'_, N> {
         [cos, sin]
     }
 
-    /// Half the derivative of the squared distance by path length, and half its second derivative.
-    fn helix_slope(&self, c: &Circle, x: &[f64; N], t: f64) -> (f64, f64) {
-        let (sin, cos) = (c.theta0 + t * c.rate).sin_cos();
+    /// Half the derivative of the squared distance by path length, and half its second derivative, at `t`, where
+    /// `out` is the direction from the centre.
+    #[inline]
+    fn helix_slope(&self, c: &Circle, x: &[f64; N], t: f64, out: [f64; 2]) -> (f64, f64) {
         let (dx, dy) = (x[c.c1] - c.center[0], x[c.c2] - c.center[1]);
         let turn = c.radius * c.rate;
-        let mut first = turn * (dx * sin - dy * cos);
-        let mut second = turn * c.rate * (dx * cos + dy * sin);
+        let mut first = turn * (dx * out[1] - dy * out[0]);
+        let mut second = turn * c.rate * (dx * out[0] + dy * out[1]);
         // circle axes have slope 0, so their coordinates drop out
         for ((x, start), slope) in x.iter().zip(self.start).zip(self.slope) {
             first -= slope * (x - start - t * slope);
@@ -162,19 +146,61 @@ impl<const N: usize> Shape<'_, N> {
         (first, second)
     }
 
+    /// The usual case: the sample is close to the helix and its foot inside the piece. Newton's method from where
+    /// the angles agree; None where that does not settle.
+    fn near_helix(&self, c: &Circle, x: &[f64; N], a: f64, b: f64, radial: Radial) -> Option<Nearest> {
+        let at_a = radial.unwrap_or_else(|| self.radial(c, a));
+        let (dx, dy) = (x[c.c1] - c.center[0], x[c.c2] - c.center[1]);
+        let mut t = a + angle(at_a[0] * dy - at_a[1] * dx, at_a[0] * dx + at_a[1] * dy) * c.mm_per_radian;
+        for _ in 0..5 {
+            if !(t >= a && t <= b) {
+                return None;
+            }
+            let (sin, cos) = (c.theta0 + t * c.rate).sin_cos();
+            let (first, second) = self.helix_slope(c, x, t, [cos, sin]);
+            let step = -first / second;
+            t += step;
+            if step.abs() * c.rate.abs() < 1e-9 && second > 0.0 {
+                // so small a turn is its own sine
+                let turn = step * c.rate;
+                let out = [cos - turn * sin, sin + turn * cos];
+                let d2 = squared_distance(x, &self.at_direction(c, t, out));
+                return (t >= a && t <= b && d2 < 0.25 * c.radius * c.radius).then_some(Nearest {
+                    t,
+                    d2,
+                    radial: Some(out),
+                });
+            }
+        }
+        None
+    }
+
+    /// The point at `t` with the direction from the centre known.
+    #[inline]
+    fn at_direction(&self, c: &Circle, t: f64, out: [f64; 2]) -> [f64; N] {
+        let mut p: [f64; N] = std::array::from_fn(|a| self.start[a] + t * self.slope[a]);
+        p[c.c1] = c.center[0] + c.radius * out[0];
+        p[c.c2] = c.center[1] + c.radius * out[1];
+        p
+    }
+
     /// Newton's method, kept inside the piece by bisection; the ends compete where the distance is not convex.
     fn nearest_on_helix(&self, c: &Circle, x: &[f64; N], a: f64, b: f64) -> Nearest {
-        let at = |t: f64| Nearest { t, d2: squared_distance(x, &self.point(t)), radial: None };
+        let at = |t: f64| {
+            let out = self.radial(c, t);
+            Nearest { t, d2: squared_distance(x, &self.at_direction(c, t, out)), radial: Some(out) }
+        };
+        let slope_at = |t: f64| self.helix_slope(c, x, t, self.radial(c, t));
         let (mut low, mut high) = (a, b);
-        let rises_at_a = self.helix_slope(c, x, a).0 >= 0.0;
-        let falls_at_b = self.helix_slope(c, x, b).0 <= 0.0;
+        let rises_at_a = slope_at(a).0 >= 0.0;
+        let falls_at_b = slope_at(b).0 <= 0.0;
         if rises_at_a || falls_at_b {
             let (at_a, at_b) = (at(a), at(b));
             return if rises_at_a && (!falls_at_b || at_a.d2 <= at_b.d2) { at_a } else { at_b };
         }
         let mut t = 0.5 * (a + b);
         for _ in 0..60 {
-            let (first, second) = self.helix_slope(c, x, t);
+            let (first, second) = slope_at(t);
             if first > 0.0 {
                 high = t
             } else {

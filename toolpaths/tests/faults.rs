@@ -91,10 +91,10 @@ fn backlash_of_10_um_on_the_load_side() {
     // the load follows when the play of 10 um is used up
     let mut load = [0.0f64, 0.0];
     for k in 0..run.len() {
-        for a in 0..2 {
+        for (a, load) in load.iter_mut().enumerate() {
             let motor = run.dp[2 * k + a];
-            load[a] = load[a].clamp(motor - 0.01, motor);
-            run.load[2 * k + a] = load[a];
+            *load = load.clamp(motor - 0.01, motor);
+            run.load[2 * k + a] = *load;
         }
     }
     let m = run.measure(&p);

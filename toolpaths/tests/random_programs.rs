@@ -26,7 +26,7 @@ fn gentle_program(seed: u64, axes: usize) -> Program {
     let mut r = Random::new(seed);
     let mut p = Program::new(&vec![0.0; axes]);
     p.feed = 8.0;
-    let mut heading = r.range(0.0, 6.28);
+    let mut heading = r.range(0.0, std::f64::consts::TAU);
     for _ in 0..10 {
         let at = p.position().to_vec();
         let length = r.range(0.5, 4.0);
