@@ -63,6 +63,9 @@ class LogEntry:
 #: Status bits that are no fault when they come up.
 HARMLESS = frozenset({"pe", "cl", "ip", "ui", "lpsf", "referenced", "refh"})
 
+#: Bit of CNCTS.running: the task waits for the next single step (4.3.2.10).
+WAITS_FOR_STEP = 2
+
 
 @dataclass(slots=True)
 class Execution:
@@ -84,6 +87,9 @@ class Execution:
     task_error: tuple[int, int] | None = field(init=False, default=None)
     #: command (ssf number) that waits for the application while `acknowledges` is off
     waits: int = field(init=False, default=0)
+    #: a feed hold has come to rest; a single step is done. The operator's engine clears both when it goes on.
+    held: bool = field(init=False, default=False)
+    stepped: bool = field(init=False, default=False)
     _axes: list[str] = field(init=False)
     _events: list[tuple[int, str, str]] = field(init=False)
     _pending: deque[tuple[int, float]] = field(init=False)
@@ -143,7 +149,10 @@ class Execution:
 
     def _react(self, stop: str, value: int) -> None:
         if stop == "finished":
-            self.end = End.FINISHED
+            self.stepped = self.mcu.rdcncts(0)[2] & WAITS_FOR_STEP != 0
+            self.end = None if self.stepped else End.FINISHED
+        elif stop == "held":
+            self.held = True
         elif stop == "fault":
             self.end = End.FAULT
         elif stop == "task_error":

@@ -276,6 +276,11 @@ impl Mcu {
         self.kernel.stepcnct(known_task(task)?);
         Ok(())
     }
+    /// CNCTS of a task (4.3.2.10): error number and its line, state bits, source line being executed.
+    fn rdcncts(&self, task: usize) -> PyResult<(u32, u32, u32, u32)> {
+        let status = self.kernel.task_status(known_task(task)?);
+        Ok((status.errnum, status.errline, status.running, status.csrcline))
+    }
     /// What the tasks wrote since the last call.
     fn take_output(&mut self, task: usize) -> PyResult<String> {
         Ok(self.kernel.take_output(known_task(task)?))

@@ -1,0 +1,109 @@
+"""A part program loaded for the terminal: compiled, drawn, and with tables that turn entries into progress."""
+
+from __future__ import annotations
+
+import time
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnc_front._native import toolpaths as native_paths
+from cnc_front.engine import Job, PathPlot
+from cnc_front.execution import End, Execution
+from cnc_front.jobs import CompiledJob, CompileOptions, compile_job, load_machine, read_job
+
+#: Chords of the plotted path deviate by at most this, mm; and it has at most so many points.
+CHORD_MM = 0.01
+MAX_POINTS = 200_000
+#: Bounds on the run that finds the machine time of a job: machine and wall seconds.
+ESTIMATE_MACHINE_S = 12 * 3600.0
+ESTIMATE_WALL_S = 60.0
+
+
+@dataclass(slots=True)
+class LoadedJob:
+    """A compiled job with all that the screen needs to know about it."""
+
+    job: CompiledJob
+    view: Job
+    path: native_paths.Path
+    #: path length at each vertex of the plot
+    vertex_s_mm: NDArray[np.float64]
+    #: per programmed block: number of its motion command, path length where it begins, nominal time where it ends
+    entries: NDArray[np.uint32]
+    begins_mm: NDArray[np.float64]
+    ends_s: NDArray[np.float64]
+    #: machine time of the whole job; None while unknown
+    time_total_s: float | None = field(default=None)
+
+    def done_mm(self, entry: int, into_entry_mm: float) -> float:
+        """Path length at a place in a motion command (1-based number)."""
+        first = int(np.searchsorted(self.entries, entry))
+        if first >= len(self.entries):
+            return self.path.length_mm
+        return min(float(self.begins_mm[first]) + into_entry_mm, self.path.length_mm)
+
+    def spooled_s(self, entry: int, waiting: int) -> float:
+        """Nominal time of the commands that wait in the spooler behind the current one."""
+        first, last = np.searchsorted(self.entries, [entry, entry + waiting], side="right")
+        at = lambda index: float(self.ends_s[index - 1]) if index > 0 else 0.0  # noqa: E731  used twice, here
+        return at(int(last)) - at(int(first))
+
+    def fact(self, name: str, line: int) -> Any:
+        """The value of a list of changes ("modal", "feeds") that holds at a source line; None before the first."""
+        changes: Sequence[tuple[int, Any]] = self.job.facts[name]
+        index = bisect_right(changes, line, key=lambda change: change[0])
+        return changes[index - 1][1] if index else None
+
+
+def load_job(path: str, machine: str | None, options: CompileOptions) -> LoadedJob:
+    """Reads, compiles and draws a job. Raises CompileError with every diagnostic."""
+    compiled = compile_job(read_job(path, options.language), load_machine(machine, path), options)
+    programmed = native_paths.Path(compiled.program.sequence())
+    line = programmed.polyline(CHORD_MM, MAX_POINTS)
+    blocks = programmed.blocks()
+    names = list(compiled.machine.machine.axis_names)
+    view = Job(
+        path=path,
+        name=Path(path).name,
+        lines=compiled.source.text().splitlines(),
+        plot=_plot(line, names),
+        extents=dict(zip(names, programmed.extents, strict=True)),
+        warnings=tuple(f"{d.line}:{d.column}: {d.id}: {d.message}" for d in compiled.warnings),
+    )
+    return LoadedJob(
+        compiled,
+        view,
+        programmed,
+        line["s_mm"],
+        blocks["entry"],
+        blocks["s0_mm"],
+        np.cumsum(blocks["length_mm"] / np.maximum(blocks["vl"], 1e-9)),
+    )
+
+
+def _plot(line: dict[str, Any], names: Sequence[str]) -> PathPlot:
+    """The first three of X, Y, Z and then any other axes; missing ones stand at 0."""
+    wanted = [name for name in ("X", "Y", "Z") if name in names] + [n for n in names if n not in ("X", "Y", "Z")]
+    points = np.zeros((len(line["lines"]), 3))
+    for column, name in enumerate(wanted[:3]):
+        points[:, column] = line["points"][:, names.index(name)]
+    axes = [*wanted[:3], "", "", ""][:3]
+    return PathPlot(points, line["lines"], line["rapid"], (axes[0], axes[1], axes[2]))
+
+
+def run_time_s(job: CompiledJob, superseded: Callable[[], bool]) -> float | None:
+    """Machine time of a job at override 1 with every stop acknowledged at once; None if it does not end in time."""
+    execution = Execution(job, max_machine_s=ESTIMATE_MACHINE_S)
+    deadline = time.monotonic() + ESTIMATE_WALL_S
+    while execution.advance(1 << 14) is not None:
+        if superseded() or time.monotonic() > deadline:
+            return None
+    return (
+        execution.machine_time_s if execution.end is End.FINISHED and math.isfinite(execution.machine_time_s) else None
+    )

@@ -1,0 +1,130 @@
+"""One run of a loaded job as the operator drives it: hold, single block, abort, and what was measured so far."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnc_front._native import motion_kernel as native_kernel
+from cnc_front._native import toolpaths as native_paths
+from cnc_front.execution import End, Execution
+from cnc_front.sim_job import LoadedJob
+
+#: Machine time that still passes after the axes have come to rest, so that the actual positions arrive, s.
+SETTLE_S = 0.2
+
+
+class SimRun:
+    """From start to end of a job. Not safe across threads: only the engine's thread calls it."""
+
+    def __init__(self, loaded: LoadedJob, override: float) -> None:
+        machine = loaded.job.machine.machine
+        self.loaded = loaded
+        self.execution = Execution(loaded.job, ((0.0, override),), acknowledges=False)
+        self.tracker = native_paths.Tracker(
+            loaded.path,
+            sample_time_s=self.execution.sample_time_s,
+            schedule=[(0.0, override)],
+            trovrst_s=machine.trovrst_s,
+        )
+        self.tracker.watch(loaded.vertex_s_mm)
+        self.aborted = False
+        self.holding = False
+        self.deviation_now_mm = 0.0
+        self.deviation_max_mm = 0.0
+        self.deviation_max_line = 0
+        self.flags = 0
+        self.entry = 0
+        self._settle = 0
+
+    @property
+    def samples(self) -> int:
+        """Samples since the start of the job."""
+        return self.execution.mcu.samples()
+
+    @property
+    def is_over(self) -> bool:
+        """Finished, aborted or stopped by a fault."""
+        return self.execution.end is not None
+
+    @property
+    def at_rest(self) -> bool:
+        """The job goes on only when the operator says so."""
+        return self.execution.stepped or self.execution.waits != 0 or (self.holding and self.execution.held)
+
+    @property
+    def moves_on(self) -> bool:
+        """Emulated time passes: the job runs, brakes, or the axes still settle."""
+        return not self.is_over and (not self.at_rest or self._settle > 0)
+
+    @property
+    def is_underway(self) -> bool:
+        """The job is neither over nor merely loaded."""
+        return not self.is_over
+
+    def advance(self, samples: int) -> None:
+        """Lets emulated time pass and measures it."""
+        rested = self.at_rest
+        if rested:
+            samples = min(samples, self._settle)
+        chunk = self.execution.advance(samples)
+        if chunk is None:
+            return
+        if len(chunk):
+            self._measure(chunk)
+        if self.at_rest:
+            settle = round(SETTLE_S / self.execution.sample_time_s)
+            self._settle = max(0, self._settle - max(1, len(chunk))) if rested else settle
+
+    def _measure(self, chunk: native_kernel.Chunk) -> None:
+        deviation = self.tracker.feed(chunk)
+        worst = int(np.argmax(deviation))
+        if float(deviation[worst]) > self.deviation_max_mm:
+            self.deviation_max_mm = float(deviation[worst])
+            self.deviation_max_line = int(chunk.line[worst])
+        self.deviation_now_mm = float(deviation[-1])
+        self.flags = int(chunk.flags[-1])
+
+    def driven(self) -> tuple[int, NDArray[np.float32]]:
+        """How many vertices of the plot are done, and the largest deviation up to each, mm."""
+        values, approaching = self.tracker.watched()
+        finished = self.execution.end is End.FINISHED and not self.aborted
+        return (len(values) if finished else approaching), values
+
+    # ---- the operator
+
+    def hold(self) -> None:
+        """Brakes along the path; at a block end or a programmed stop the axes stand already."""
+        if not self.holding:
+            self.holding, self.execution.held = True, False
+            self.execution.mcu.hold()
+
+    def go_on(self, single_block: bool) -> None:
+        """Ends whatever the job stands for: hold, block end, programmed stop."""
+        if self.holding:
+            self.holding = self.execution.held = False
+            self.execution.mcu.resume()
+        elif self.execution.waits:
+            self.execution.acknowledge()
+        self._settle = 0
+        if self.execution.stepped or single_block:
+            self.set_stepping(single_block)
+
+    def step_block(self) -> None:
+        """The next block alone."""
+        self.set_stepping(True)
+
+    def set_stepping(self, on: bool) -> None:
+        """Single block for what is not yet spooled."""
+        self.execution.stepped = False
+        if on:
+            self.execution.mcu.stepcnct(0)
+        else:
+            self.execution.mcu.contcnct(0)
+
+    def abort(self) -> None:
+        """Brakes along the path, drops what is spooled, ends the task."""
+        self.aborted = True
+        self.holding = self.execution.held = self.execution.stepped = False
+        self.execution.waits = 0
+        self.execution.mcu.abort()
