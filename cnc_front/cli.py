@@ -69,7 +69,7 @@ def build_parser() -> Parser:
 
     parser = Parser(
         prog="cnc-front",
-        description="Dry-run part programs on an emulated APCI-8001/8008 and see how true the machine stays to the path.",
+        description="Dry-run part programs on an emulated APCI-8001/8008; see how true the machine stays to the path.",
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

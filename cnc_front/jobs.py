@@ -46,7 +46,8 @@ class JobSource:
     @property
     def lines(self) -> int:
         """Lines of the text, by its line ends."""
-        return len(self.data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").rstrip(b"\n").split(b"\n")) if self.data else 0
+        text = self.data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        return text.count(b"\n") + (not text.endswith(b"\n")) if text else 0
 
     def text(self) -> str:
         """The text for people: UTF-8, else Windows-1252 as the dialect says."""
@@ -127,9 +128,9 @@ def load_machine(path: str | None, job: str | None = None) -> MachineFile:
     return MachineFile(path, data.decode("utf-8"), hashlib.sha256(data).hexdigest(), machine)
 
 
-def diagnose(source: JobSource, machine: MachineFile, options: CompileOptions, *, check_only: bool) -> tuple[
-    native_gcode.Program | None, tuple[Diagnostic, ...], dict[str, Any]
-]:
+def diagnose(
+    source: JobSource, machine: MachineFile, options: CompileOptions, *, check_only: bool
+) -> tuple[native_gcode.Program | None, tuple[Diagnostic, ...], dict[str, Any]]:
     """Compiles without judging: program (None with errors or `check_only`), all diagnostics, facts."""
     if source.language != "din66025":
         raise CompileError([_not_yet(source)])
@@ -156,4 +157,5 @@ def compile_job(source: JobSource, machine: MachineFile, options: CompileOptions
 
 def _not_yet(source: JobSource) -> Diagnostic:
     message = f"{source.language} jobs cannot be run by this version"
-    return Diagnostic(source.path, 1, 1, 1, "CF201", message, "rw_SymPas comes with a later version; DIN 66025 jobs run now")
+    hint = "rw_SymPas comes with a later version; DIN 66025 jobs run now"
+    return Diagnostic(source.path, 1, 1, 1, "CF201", message, hint)

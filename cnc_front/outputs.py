@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -39,7 +38,7 @@ def check_report(path: str, inputs: Iterable[str]) -> Path:
 
 def _refuse_inputs(target: Path, inputs: Iterable[str], option: str) -> None:
     for name in inputs:
-        if name and target.exists() and Path(name).exists() and os.path.samefile(target, name):
+        if name and target.exists() and Path(name).exists() and target.samefile(name):
             raise UsageError(f"{option}: {target} is an input of this run; choose another name")
 
 

@@ -108,7 +108,8 @@ def open_recording(path: str) -> Recorded:
         job, machine, metadata = found[JOB], found[MACHINE].decode(), found["run"]
     except (ValueError, KeyError, UnicodeDecodeError) as error:
         reason = f"cannot be read as a recording: {error if isinstance(error, ValueError) else f'no {error}'}"
-        raise CompileError([Diagnostic(path, 1, 1, 1, "CF401", reason, "give a file written by run --record")]) from None
+        hint = "give a file written by run --record"
+        raise CompileError([Diagnostic(path, 1, 1, 1, "CF401", reason, hint)]) from None
     recorded = Recorded(path, job, machine, sequence, metadata, _reader=reader, _first=first)
     if RESULT in found:
         recorded.result = json.loads(found[RESULT])

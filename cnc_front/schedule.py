@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 from cnc_front.errors import UsageError
 
@@ -17,7 +18,7 @@ def parse_schedule(text: str) -> Schedule:
     points = [_point(part, index) for index, part in enumerate(text.split(","))]
     if points[0][0] > 0:
         points.insert(0, (0.0, 1.0))
-    for (before, _), (after, _) in zip(points, points[1:], strict=False):
+    for (before, _), (after, _) in pairwise(points):
         if after <= before:
             raise UsageError(f"--override: times must rise, {after:g} s follows {before:g} s")
     return tuple(points)

@@ -104,6 +104,4 @@ def run_time_s(job: CompiledJob, superseded: Callable[[], bool]) -> float | None
     while execution.advance(1 << 14) is not None:
         if superseded() or time.monotonic() > deadline:
             return None
-    return (
-        execution.machine_time_s if execution.end is End.FINISHED and math.isfinite(execution.machine_time_s) else None
-    )
+    return execution.machine_time_s if execution.end is End.FINISHED else None

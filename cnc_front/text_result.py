@@ -11,7 +11,10 @@ from cnc_front.verdict import Verdict
 
 def result_text(result: RunResult, verdict: Verdict, run: dict[str, Any], language: str) -> str:
     """A dozen lines; numbers always with a decimal point, units always printed."""
-    say = lambda id, **values: text(id, language, **values)  # noqa: E731  short for a table of texts
+
+    def say(id: str, **values: Any) -> str:
+        return text(id, language, **values)
+
     rows = [f"{run['job']['path']}: {verdict.word}"]
     rows += [f"  {say(reason.id, **reason.values)}" for reason in verdict.reasons[:10]]
     actual, setpoint, feed = run["deviation"]["actual"], run["deviation"]["setpoint"], run["feed"]

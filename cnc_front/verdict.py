@@ -83,9 +83,10 @@ def _findings(result: RunResult, limit: float) -> tuple[Reason, ...]:
 #: Keys of design 3.2 in their order, all unknown.
 EMPTY: dict[str, Any] = dict.fromkeys(
     (
-        "schema job machine status error machine_time_s wall_time_s samples sample_time_us commands path_length_mm "
-        "merged deviation following_error feed override time_optimal_s alarms error_register output files diagnostics"
-    ).split()
+        *("schema", "job", "machine", "status", "error", "machine_time_s", "wall_time_s", "samples", "sample_time_us"),
+        *("commands", "path_length_mm", "merged", "deviation", "following_error", "feed", "override"),
+        *("time_optimal_s", "alarms", "error_register", "output", "files", "diagnostics"),
+    )
 )
 SCHEMA = "cnc-front/run/1"
 
