@@ -78,7 +78,10 @@ impl Mcu {
             return Err(Entered::Refused);
         }
         let positive = |x: f64| x > 0.0 && x.is_finite();
-        for (ok, bit) in [(positive(command.vl), ErrorReg::VelocityZero), (positive(command.ac), ErrorReg::AccelZero)] {
+        for (ok, bit) in [
+            (positive(command.vl) && command.tvl.is_finite(), ErrorReg::VelocityZero),
+            (positive(command.ac), ErrorReg::AccelZero),
+        ] {
             if !ok {
                 self.raise(bit);
                 if !self.registers.modereg.has(ModeReg::InhibitProfileRefuse) {
