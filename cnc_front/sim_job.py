@@ -51,8 +51,10 @@ class LoadedJob:
     def spooled_s(self, entry: int, waiting: int) -> float:
         """Nominal time of the commands that wait in the spooler behind the current one."""
         first, last = np.searchsorted(self.entries, [entry, entry + waiting], side="right")
-        at = lambda index: float(self.ends_s[index - 1]) if index > 0 else 0.0  # noqa: E731  used twice, here
-        return at(int(last)) - at(int(first))
+        return self._ends_at(int(last)) - self._ends_at(int(first))
+
+    def _ends_at(self, blocks: int) -> float:
+        return float(self.ends_s[blocks - 1]) if blocks > 0 else 0.0
 
     def fact(self, name: str, line: int) -> Any:
         """The value of a list of changes ("modal", "feeds") that holds at a source line; None before the first."""

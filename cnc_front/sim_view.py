@@ -150,8 +150,9 @@ def _done_mm(loaded: LoadedJob, run: SimRun, status: dict[str, Any]) -> float:
 
 
 def _spool_empty_s(loaded: LoadedJob, run: SimRun, status: dict[str, Any]) -> float:
-    waiting = max((axis["mcis"] for axis in status["axes"]), default=0)
-    return loaded.spooled_s(run.entry, waiting) / max(status["factor"], 1e-6)
+    waiting: int = max((axis["mcis"] for axis in status["axes"]), default=0)
+    factor: float = status["factor"]
+    return loaded.spooled_s(run.entry, waiting) / max(factor, 1e-6)
 
 
 def _tool(run: SimRun) -> int:

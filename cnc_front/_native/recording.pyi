@@ -1,0 +1,31 @@
+from collections.abc import Sequence
+from os import PathLike
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cnc_front._native.motion_kernel import Chunk
+
+__all__ = ["Reader", "Writer"]
+
+@final
+class Writer:
+    def __new__(
+        cls,
+        path: str | PathLike[str],
+        axes: Sequence[str],
+        sample_time_s: float,
+        attachments: Sequence[tuple[str, str, bytes]],
+        metadata: dict[str, str],
+    ) -> Writer: ...
+    def write(self, chunk: Chunk, deviation_mm: NDArray[np.float32]) -> None: ...
+    def write_event(self, t_s: float, json: str) -> None: ...
+    def finish(self, result_json: str) -> None: ...
+
+@final
+class Reader:
+    def __new__(cls, path: str | PathLike[str]) -> Reader: ...
+    @property
+    def damage(self) -> str | None: ...
+    def next_item(self) -> tuple[str, str, Any] | None: ...
