@@ -1,17 +1,23 @@
-"""Running a compiled job and writing what was asked for: recording, report, the JSON object."""
+"""Running a compiled job and writing what was asked for: recording, report, the object of `run --json`."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from cnc_front import VERSION
-from cnc_front.errors import UsageError
-from cnc_front.jobs import CompiledJob
-from cnc_front.recording import RecordingSink
+from cnc_front._native import motion_kernel as native_kernel
+from cnc_front._native import toolpaths as native_paths
+from cnc_front.jobs import CompiledJob, JobSource
+from cnc_front.recording import Recorded, RecordingSink, open_recording
 from cnc_front.run import RunOptions, RunResult, dry_run
-from cnc_front.verdict import Verdict, judge, run_object
+from cnc_front.verdict import Verdict, judge, measured_keys, partial_object, run_object
+
+if TYPE_CHECKING:
+    from cnc_front.report import ReportInput
 
 
 def run_and_write(
@@ -25,13 +31,114 @@ def run_and_write(
     """The run, its verdict, and the object of design 3.2; files are written before it returns."""
     tolerance = tolerance_mm if tolerance_mm is not None else job.machine.machine.tolerance_mm
     sink = RecordingSink(record, job, _metadata(job, options, tolerance)) if record else None
-    result = dry_run(job, options, sink)
+    plotting = _Plotting() if report else None
+    result = dry_run(job, options, sink, plotting)
     verdict = judge(result, tolerance)
     files = {"recording": str(record) if record else None, "report": str(report) if report else None}
     run = run_object(result, verdict, files)
     if sink is not None:
         sink.finish(run)
+    if report is not None and plotting is not None:
+        from cnc_front.report import write_report
+
+        machine, events = job.machine.machine, _events(result)
+        write_report(plotting.report_input(run, job.source, machine, events), report, language)
     return result, verdict, run
+
+
+def report_from_recording(recording: str, folder: Path, language: str) -> None:
+    """Builds the report of a recorded run; the figures are measured again from its columns."""
+    from cnc_front.report import write_report
+
+    recorded = open_recording(recording)
+    machine = native_kernel.Machine.parse(recorded.machine_text.encode(), recorded.metadata["machine_path"])
+    source = JobSource(recorded.metadata["job_path"], recorded.job, "din66025")
+    path, plotting = native_paths.Path(recorded.sequence), _Plotting()
+    schedule = [(t, f) for t, f in json.loads(recorded.metadata["schedule"])]
+    tracker = native_paths.Tracker(
+        path, sample_time_s=machine.sample_time_us * 1e-6, schedule=schedule, trovrst_s=machine.trovrst_s
+    )
+    plotting.begin(path, tracker)
+    samples = _measure(recorded, tracker, plotting)
+    run = _run_of(recorded, source, machine, tracker.finish(), samples)
+    report = plotting.report_input(run, source, machine, recorded.events)
+    report.note = f"{recording}: {recorded.damage}" if recorded.damage else ""
+    write_report(report, folder, language)
+
+
+def _measure(recorded: Recorded, tracker: native_paths.Tracker, plotting: _Plotting) -> int:
+    samples = 0
+    for columns in recorded.columns():
+        names = ("dp", "load", "rp", "factor", "v_plan")
+        deviation = tracker.feed_columns(columns["first_sample"], *(columns[name] for name in names))
+        plotting.add(deviation)
+        samples = columns["first_sample"] + len(deviation)
+    return samples
+
+
+def _run_of(
+    recorded: Recorded, source: JobSource, machine: native_kernel.Machine, summary: dict[str, Any], samples: int
+) -> dict[str, Any]:
+    """The recorded result with the figures measured now; without a result (cut off) what can be said."""
+    tolerance = float(recorded.metadata["tolerance_mm"])
+    schedule = json.loads(recorded.metadata["schedule"])
+    run = recorded.result or partial_object(source, machine, recorded, samples, tolerance)
+    return run | measured_keys(summary, machine.axis_names, schedule)
+
+
+class _Plotting:
+    """What only a report needs: the polyline with its deviation, the histogram."""
+
+    def begin(self, path: native_paths.Path, tracker: native_paths.Tracker) -> None:
+        from cnc_front.report.data import PLOT_POINTS, Histogram
+
+        self.path, self.tracker, self.histogram = path, tracker, Histogram()
+        self.polyline = path.polyline(0.005, PLOT_POINTS)
+        tracker.watch(self.polyline["s_mm"])
+
+    def add(self, deviation_mm: Any) -> None:
+        self.histogram.add(deviation_mm)
+
+    def report_input(
+        self,
+        run: dict[str, Any],
+        source: JobSource,
+        machine: native_kernel.Machine,
+        events: list[dict[str, Any]],
+    ) -> ReportInput:
+        from cnc_front.report import ReportInput
+
+        watched, _ = self.tracker.watched()
+        return ReportInput(
+            run=run,
+            job_lines=source.text().splitlines(),
+            axes=list(machine.axis_names),
+            units=list(machine.units),
+            mpe=list(machine.mpe),
+            sample_time_s=machine.sample_time_us * 1e-6,
+            polyline=self.polyline,
+            plot_deviation_mm=np.asarray(watched),
+            blocks=self.path.blocks(),
+            measured=self.tracker.blocks(),
+            series=self.tracker.series(),
+            histogram=self.histogram,
+            events=events,
+        )
+
+
+def _events(result: RunResult) -> list[dict[str, Any]]:
+    execution = result.execution
+    log = [
+        {"t_s": e.t_s, "kind": e.kind, "axis": e.axis, "name": e.name, "on": e.on, "line": e.line, "value": e.value}
+        | {"text": ""}
+        for e in execution.log
+    ]
+    hosts = [
+        {"t_s": h.t_s, "kind": "host", "axis": "", "name": h.kind, "on": True, "line": h.line, "value": 0}
+        | {"text": h.text}
+        for h in execution.host_events
+    ]
+    return sorted(log + hosts, key=lambda event: event["t_s"])
 
 
 def _metadata(job: CompiledJob, options: RunOptions, tolerance_mm: float) -> dict[str, str]:
@@ -43,8 +150,3 @@ def _metadata(job: CompiledJob, options: RunOptions, tolerance_mm: float) -> dic
         "schedule": json.dumps([list(point) for point in options.schedule]),
         "version": VERSION,
     }
-
-
-def report_from_recording(recording: str, folder: Path, language: str) -> None:
-    """Builds the report of a recorded run; the figures are computed again from its columns."""
-    raise UsageError("reports from recordings are not there yet")

@@ -34,6 +34,10 @@ TEXTS: dict[str, tuple[str, str]] = {
         "time limit of {seconds:g} s reached (--max-time)",
         "Zeitgrenze von {seconds:g} s erreicht (--max-time)",
     ),
+    "cut_off": (
+        "the recording ends at {t_s:.3f} s, before its result",
+        "die Aufzeichnung endet bei {t_s:.3f} s, vor ihrem Ergebnis",
+    ),
     "interrupted": ("interrupted", "abgebrochen"),
     "time": ("machine time", "Maschinenzeit"),
     "path": ("path", "Bahn"),

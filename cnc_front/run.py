@@ -28,6 +28,16 @@ class Sink(Protocol):
         """One chunk, the deviation of the load side per sample, and what the execution logged since the last."""
 
 
+class Watcher(Protocol):
+    """Looks at what the tracker measures, e.g. for a report."""
+
+    def begin(self, path: native_paths.Path, tracker: native_paths.Tracker) -> None:
+        """Before the first sample."""
+
+    def add(self, deviation_mm: NDArray[np.float32]) -> None:
+        """The deviation of the load side for the next samples."""
+
+
 @dataclass(frozen=True, slots=True)
 class RunOptions:
     """What a run may vary beside the job and the machine."""
@@ -58,7 +68,9 @@ class RunResult:
         return "failed" if self.execution.end is End.TASK_ERROR else "stopped"
 
 
-def dry_run(job: CompiledJob, options: RunOptions, sink: Sink | None = None) -> RunResult:
+def dry_run(
+    job: CompiledJob, options: RunOptions, sink: Sink | None = None, watcher: Watcher | None = None
+) -> RunResult:
     """Runs a compiled job to its end, a fault, or the time limit, and measures it against its programmed path."""
     begun = time.monotonic()
     path = native_paths.Path(job.program.sequence())
@@ -70,11 +82,15 @@ def dry_run(job: CompiledJob, options: RunOptions, sink: Sink | None = None) -> 
         schedule=list(options.schedule),
         trovrst_s=machine.trovrst_s,
     )
+    if watcher is not None:
+        watcher.begin(path, tracker)
     while (chunk := execution.advance(CHUNK)) is not None:
         if len(chunk):
             deviation = tracker.feed(chunk)
             if sink is not None:
                 sink.write(execution, chunk, deviation)
+            if watcher is not None:
+                watcher.add(deviation)
         if time.monotonic() - begun > options.max_time_s:
             execution.end = execution.end or End.TIME_LIMIT
         if options.progress is not None:

@@ -81,13 +81,12 @@ def _findings(result: RunResult, limit: float) -> tuple[Reason, ...]:
 
 
 #: Keys of design 3.2 in their order, all unknown.
-EMPTY: dict[str, Any] = dict.fromkeys(
-    (
-        *("schema", "job", "machine", "status", "error", "machine_time_s", "wall_time_s", "samples", "sample_time_us"),
-        *("commands", "path_length_mm", "merged", "deviation", "following_error", "feed", "override"),
-        *("time_optimal_s", "alarms", "error_register", "output", "files", "diagnostics"),
-    )
+KEYS = (
+    *("schema", "job", "machine", "status", "error", "machine_time_s", "wall_time_s", "samples", "sample_time_us"),
+    *("commands", "path_length_mm", "merged", "deviation", "following_error", "feed", "override", "time_optimal_s"),
+    *("alarms", "error_register", "output", "files", "diagnostics"),
 )
+EMPTY: dict[str, Any] = dict.fromkeys(KEYS)
 SCHEMA = "cnc-front/run/1"
 
 
@@ -131,35 +130,66 @@ def failed_object(
 def run_object(result: RunResult, verdict: Verdict, files: dict[str, str | None]) -> dict[str, Any]:
     """The object of design 3.2 for a job that ran."""
     summary, execution, job = result.summary, result.execution, result.job
-    names = job.machine.machine.axis_names
+    return (
+        EMPTY
+        | {
+            "schema": SCHEMA,
+            "job": job_object(job.source, job.source.path),
+            "machine": machine_object(job.machine, job.machine.path),
+            "status": result.status,
+            "error": _error(result),
+            "machine_time_s": execution.machine_time_s,
+            "wall_time_s": result.wall_time_s,
+            "samples": execution.mcu.samples(),
+            "sample_time_us": job.machine.machine.sample_time_us,
+            "commands": {name: count for name, count in job.program.counts() if count},
+            "alarms": [{"t_s": a.t_s, "axis": a.axis, "bit": a.bit, "name": a.name} for a in execution.alarms],
+            "error_register": execution.mcu.status()["errorreg"],
+            "output": execution.output.splitlines(),
+            "files": files,
+            "diagnostics": [d.as_json() for d in job.warnings],
+            "verdict": {
+                "word": verdict.word,
+                "tolerance_mm": verdict.tolerance_mm,
+                "reasons": [{"id": r.id, **r.values} for r in verdict.reasons],
+            },
+        }
+        | measured_keys(summary, job.machine.machine.axis_names, result.options.schedule)
+    )
+
+
+def measured_keys(summary: dict[str, Any], names: list[str], schedule: Any) -> dict[str, Any]:
+    """The keys of design 3.2 that come from measuring the samples; the same for a run and for its recording."""
     errors = zip(names, summary["following_error"], strict=True)
-    return EMPTY | {
-        "schema": SCHEMA,
-        "job": job_object(job.source, job.source.path),
-        "machine": machine_object(job.machine, job.machine.path),
-        "status": result.status,
-        "error": _error(result),
-        "machine_time_s": execution.machine_time_s,
-        "wall_time_s": result.wall_time_s,
-        "samples": execution.mcu.samples(),
-        "sample_time_us": job.machine.machine.sample_time_us,
-        "commands": {name: count for name, count in job.program.counts() if count},
+    overrides = ("path_change_mm", "velocity_ratio_error_pct", "settling_ok")
+    return {
         "path_length_mm": summary["path_length_mm"],
         "merged": {"blocks": summary["merged"][0], "max_mm": summary["merged"][1]},
         "deviation": {key: _deviation(summary[key], names) for key in ("setpoint", "actual")},
         "following_error": {name: {"max": most, "rms": rms} for name, (most, rms) in errors},
         "feed": {key: summary[key] for key in ("programmed_reached_pct", "max_over_pct")},
-        "override": _override(result),
-        "alarms": [{"t_s": a.t_s, "axis": a.axis, "bit": a.bit, "name": a.name} for a in execution.alarms],
-        "error_register": execution.mcu.status()["errorreg"],
-        "output": execution.output.splitlines(),
-        "files": files,
-        "diagnostics": [d.as_json() for d in job.warnings],
-        "verdict": {
-            "word": verdict.word,
-            "tolerance_mm": verdict.tolerance_mm,
-            "reasons": [{"id": r.id, **r.values} for r in verdict.reasons],
-        },
+        "override": {"schedule": [list(p) for p in schedule]} | {key: summary[key] for key in overrides},
+    }
+
+
+def partial_object(source: JobSource, machine: Any, recorded: Any, samples: int, tolerance_mm: float) -> dict[str, Any]:
+    """The object for a recording that was cut off before its result: what can still be said."""
+    sample_time_us = machine.sample_time_us
+    reason = {"id": "cut_off", "t_s": samples * sample_time_us * 1e-6}
+    return EMPTY | {
+        "schema": SCHEMA,
+        "job": job_object(source, source.path),
+        "machine": {"path": recorded.metadata["machine_path"] or None, "name": machine.name, "sha256": None},
+        "status": "stopped",
+        "machine_time_s": samples * sample_time_us * 1e-6,
+        "samples": samples,
+        "sample_time_us": sample_time_us,
+        "alarms": [],
+        "error_register": [],
+        "output": [],
+        "files": {"recording": recorded.path, "report": None},
+        "diagnostics": [],
+        "verdict": {"word": "FAIL", "tolerance_mm": tolerance_mm, "reasons": [reason]},
     }
 
 
@@ -186,13 +216,3 @@ def _deviation(values: dict[str, Any], names: list[str]) -> dict[str, Any]:
     position = dict(zip(names, worst["position"], strict=False))
     chosen = {key: values[key] for key in ("max_mm", "rms_mm", "p99_mm")}
     return chosen | {"worst": {"line": worst["line"], "t_s": worst["t_s"], "position": position}}
-
-
-def _override(result: RunResult) -> dict[str, Any]:
-    summary = result.summary
-    return {
-        "schedule": [list(point) for point in result.options.schedule],
-        "path_change_mm": summary["path_change_mm"],
-        "velocity_ratio_error_pct": summary["velocity_ratio_error_pct"],
-        "settling_ok": summary["settling_ok"],
-    }

@@ -1,0 +1,107 @@
+"""Writes the folder of a report: report.html, report.json, blocks.csv, png/."""
+
+from __future__ import annotations
+
+import csv
+import json
+from datetime import UTC, datetime
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from cnc_front import VERSION
+from cnc_front.messages import text
+from cnc_front.outputs import REPORT_FILE, REPORT_MARK
+from cnc_front.report.data import ReportInput, block_table, plot_data
+from cnc_front.report.words import WORDS
+
+SCHEMA = "cnc-front/report/1"
+#: Keys of the run object that differ between two runs of the same input.
+VOLATILE = ("wall_time_s", "files")
+
+
+def write_report(report: ReportInput, folder: Path, language: str) -> None:
+    """Writes all files of the report; raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = block_table(report)
+    figures = report_json(report)
+    (folder / "report.json").write_text(json.dumps(figures, indent=1, allow_nan=False), encoding="utf-8")
+    _write_blocks(folder / "blocks.csv", rows)
+    _write_pictures(report, folder / "png")
+    (folder / REPORT_FILE).write_text(html(report, rows, figures, language), encoding="utf-8")
+
+
+def report_json(report: ReportInput) -> dict[str, Any]:
+    """The figures; the same input gives the same object apart from `run`."""
+    result = {key: value for key, value in report.run.items() if key not in VOLATILE}
+    run = {key: report.run.get(key) for key in VOLATILE}
+    run["date"] = datetime.now(UTC).isoformat(timespec="seconds")
+    counts = report.histogram.counts.tolist()
+    return {
+        "schema": SCHEMA,
+        "version": VERSION,
+        "result": result,
+        "histogram": counts,
+        "note": report.note,
+        "run": run,
+    }
+
+
+def html(report: ReportInput, rows: list[dict[str, Any]], figures: dict[str, Any], language: str) -> str:
+    """The page: everything inline, nothing from the network."""
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    room = files("cnc_front.report")
+    template = environment.from_string((room / "report.html.j2").read_text(encoding="utf-8"))
+    reasons = report.run["verdict"]["reasons"]
+    return template.render(
+        mark=REPORT_MARK,
+        language=language,
+        words=WORDS[language],
+        css=(room / "report.css").read_text(encoding="utf-8"),
+        script=(room / "report.js").read_text(encoding="utf-8"),
+        data=_script_json(plot_data(report, rows) | {"words": WORDS[language]}),
+        figures=_script_json(figures),
+        run=report.run,
+        date=figures["run"]["date"],
+        version=VERSION,
+        reasons=[text(r["id"], language, **{k: v for k, v in r.items() if k != "id"}) for r in reasons],
+        note=report.note,
+        units=dict(zip(report.axes, report.units, strict=True)),
+        mpe=dict(zip(report.axes, report.mpe, strict=True)),
+        rows=rows,
+    )
+
+
+def _script_json(value: Any) -> str:
+    """JSON inside a script element: no text of a job can end the element or open a comment."""
+    plain = json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
+    return plain.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _write_blocks(path: Path, rows: list[dict[str, Any]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        if not rows:
+            return
+        writer = csv.DictWriter(file, fieldnames=list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def _write_pictures(report: ReportInput, folder: Path) -> None:
+    from toolpaths.raster import path_picture, write_png
+
+    folder.mkdir(exist_ok=True)
+    points = report.polyline["points"]
+    limit_um = report.run["verdict"]["tolerance_mm"] * 1e3
+    for name, (a, b) in views(report.axes).items():
+        plane = points[:, [a, b]]
+        picture = path_picture(plane, report.polyline["rapid"], report.plot_deviation_mm * 1e3, limit_um)
+        write_png(folder / f"path-{name.lower()}.png", picture)
+
+
+def views(axes: list[str]) -> dict[str, tuple[int, int]]:
+    """Pairs of axes that a path is looked at in."""
+    pairs = [(a, b) for a in range(min(3, len(axes))) for b in range(a + 1, min(3, len(axes)))]
+    return {axes[a] + axes[b]: (a, b) for a, b in pairs}
