@@ -12,6 +12,23 @@ pub struct Interval {
     /// Length that was run for certain: at a reversal two feet are equally near, and the chord decides.
     pub certain: f64,
     pub rapid: bool,
+    /// The length is exact enough to compare speeds.
+    pub unambiguous: bool,
+}
+
+impl Interval {
+    /// Weighs the length by foot points against the set point's own `travel`, where they may differ: beside the path
+    /// (`off`) or across segments. Beside the path, on one motion command (the chord of merged blocks), the set
+    /// point moves straight and its feet leap from block to block; at a corner feet run further than the set
+    /// point; at a reversal they are ambiguous.
+    pub fn judge(&mut self, travel: f64, off: bool, same_command: bool, slowness: f64) {
+        if off && same_command {
+            self.length = travel;
+            self.programmed_s = travel * slowness;
+        }
+        self.certain = self.length.min(travel);
+        self.unambiguous = (same_command || !off) && self.length - self.certain <= 1e-3 * self.length;
+    }
 }
 
 /// Share of F times override that counts as reached.
@@ -147,9 +164,7 @@ impl OverrideCheck {
         self.factor = interval.factor;
         self.compare_speeds(planned);
         self.planned = [planned, self.planned[0], self.planned[1]];
-        // at a corner the foot runs further than the set point; at a reversal it is ambiguous
-        let straight = interval.length - interval.certain <= 1e-3 * interval.length;
-        self.length = if straight { interval.length } else { 0.0 };
+        self.length = if interval.unambiguous { interval.length } else { 0.0 };
     }
 
     /// Judges the last interval when planned speed changes evenly before, in and after it: then its mean is known.
@@ -173,5 +188,58 @@ impl OverrideCheck {
             velocity_ratio_error_pct: self.ratio_error.map(|e| 100.0 * e),
             settling_ok: !self.violated,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TA: f64 = 1e-3;
+
+    /// Runs a check over samples of (time, factor, planned speed) with the path speed that belongs to them.
+    fn check(schedule: &[(f64, f64)], trovrst_s: f64, sample: impl Fn(f64) -> (f64, f64, f64)) -> OverrideSummary {
+        let mut check = OverrideCheck::new(schedule, trovrst_s, TA);
+        for k in 0..3000u32 {
+            let time_s = f64::from(k + 1) * TA;
+            let (factor, planned, speed) = sample(time_s);
+            let length = speed * TA;
+            let interval = Interval {
+                time_s: TA,
+                factor,
+                length,
+                programmed_s: length / planned,
+                certain: length,
+                rapid: false,
+                unambiguous: true,
+            };
+            check.add(time_s, &interval, planned, 0.0);
+        }
+        check.summary(0.0)
+    }
+
+    /// From 1 to 0.5 at 1 s, over `ramp_s`.
+    fn ramp(time_s: f64, ramp_s: f64) -> f64 {
+        1.0 - 0.5 * ((time_s - 1.0) / ramp_s).clamp(0.0, 1.0)
+    }
+
+    #[test]
+    fn a_ramp_with_trovrst_is_settled_and_a_slower_one_is_not() {
+        let schedule = [(0.0, 1.0), (1.0, 0.5)];
+        let run = |ramp_s: f64| check(&schedule, 0.5, move |t| (ramp(t, ramp_s), 10.0, 10.0 * ramp(t, ramp_s)));
+        assert!(run(0.25).settling_ok);
+        assert!(!run(0.26).settling_ok);
+        assert!(run(0.25).velocity_ratio_error_pct.unwrap() < 1e-9);
+        assert!(!check(&schedule, 0.5, |_| (1.0, 10.0, 10.0)).settling_ok, "a change that never came");
+    }
+
+    #[test]
+    fn speed_that_does_not_follow_the_factor_is_found_with_its_size() {
+        let schedule = [(0.0, 1.0), (1.0, 0.5)];
+        let slow = check(&schedule, 0.5, |t| (ramp(t, 0.25), 10.0, 9.8 * ramp(t, 0.25)));
+        assert!((slow.velocity_ratio_error_pct.unwrap() - 2.0).abs() < 1e-6, "{slow:?}");
+        // even acceleration is judged by the mean of its ends
+        let speeding = check(&[], 0.0, |t| (1.0, 5.0 + t, 5.0 + t - 0.5 * TA));
+        assert!(speeding.velocity_ratio_error_pct.unwrap() < 1e-6, "{speeding:?}");
     }
 }

@@ -86,6 +86,9 @@ pub struct Summary {
 /// How far the end of the path may be missed: rounding of stops to counts.
 const END_MM: f64 = 1e-3;
 
+/// A set point further from the path than rounding runs beside it, as on the chord of merged blocks.
+const ON_PATH_MM: f64 = 1e-9;
+
 /// Measures a run against a path. Feed chunks in order, then [`Tracker::finish`].
 #[derive(Clone, Debug)]
 pub struct Tracker {
@@ -97,6 +100,8 @@ pub struct Tracker {
     /// Override that the lagging load side may still be running at.
     recent_factor: f64,
     last_dp: Vec<f64>,
+    last_deviation: f64,
+    samples_per_s: f64,
     feed: FeedCheck,
     overrides: OverrideCheck,
     following: Vec<(f64, f64)>,
@@ -159,6 +164,8 @@ impl Tracker {
             actual: trace,
             recent_factor: 0.0,
             last_dp: path.start().to_vec(),
+            last_deviation: 0.0,
+            samples_per_s: 1.0 / options.sample_time_s,
             feed: FeedCheck::default(),
             overrides: OverrideCheck::new(&options.schedule, options.trovrst_s, options.sample_time_s),
             following: vec![(0.0, 0.0); path.axes],
@@ -245,32 +252,51 @@ impl Tracker {
         self.blocks[segment.block as usize].setpoint.add(deviation);
 
         let length = path.s_of(foot) - path.s_of(before);
-        let mut certain = length;
-        let mut programmed_s = length * segment.slowness;
-        if foot.segment == before.segment {
-            self.blocks[segment.block as usize].pass(time_s, length, length / time_s);
-        } else {
-            let last = Sample::<N>::new(path, &self.last_dp, segment.scale).in_row(path, segment.scale).to_owned();
-            certain = length.min(squared_distance(&last, x.in_row(path, segment.scale)).sqrt());
-            programmed_s = self.share_interval(path, before, foot, length);
+        let same_segment = foot.segment == before.segment;
+        let programmed_s = match same_segment {
+            true => length * segment.slowness,
+            false => self.share_interval(path, before, foot, length),
+        };
+        let mut interval = Interval {
+            time_s,
+            factor,
+            length,
+            programmed_s,
+            certain: length,
+            rapid: path.block(segment.block).rapid,
+            unambiguous: true,
+        };
+        let off = deviation.max(self.last_deviation) > ON_PATH_MM;
+        if off || !same_segment {
+            let last = *Sample::<N>::new(path, &self.last_dp, segment.scale).in_row(path, segment.scale);
+            let travel = squared_distance(&last, x.in_row(path, segment.scale)).sqrt();
+            let before_entry = path.block(path.segments[before.segment].block).entry;
+            interval.judge(travel, off, before_entry == path.block(segment.block).entry, segment.slowness);
         }
+        let speed = interval.length * self.samples_per_s;
+        if same_segment {
+            self.blocks[segment.block as usize].pass(time_s, length, speed);
+        }
+        self.last_deviation = deviation;
         self.last_dp.copy_from_slice(dp);
-        let rapid = path.block(segment.block).rapid;
-        let interval = Interval { time_s, factor, length, programmed_s, certain, rapid };
-        Step { interval, speed: length / time_s, programmed: segment.speed * factor, deviation }
+        Step { interval, speed, programmed: segment.speed * factor, deviation }
     }
 
     /// Shares an interval out to the blocks that it crosses; returns the time their programmed velocities need.
     fn share_interval(&mut self, path: &Path, from: Place, to: Place, length: f64) -> f64 {
         let time_s = self.options.sample_time_s;
         let mut programmed_s = 0.0;
+        if length <= 0.0 {
+            self.blocks[path.segments[to.segment].block as usize].pass(time_s, 0.0, 0.0);
+            return programmed_s;
+        }
         for i in from.segment..=to.segment {
             let segment = &path.segments[i];
             let a = if i == from.segment { from.t } else { 0.0 };
             let b = if i == to.segment { to.t } else { segment.length };
             programmed_s += (b - a) * segment.slowness;
-            let share = if length > 0.0 { (b - a) / length } else { 0.0 };
-            self.blocks[segment.block as usize].pass(time_s * share, b - a, length / time_s);
+            let share = (b - a) / length;
+            self.blocks[segment.block as usize].pass(time_s * share, b - a, length * self.samples_per_s);
         }
         programmed_s
     }

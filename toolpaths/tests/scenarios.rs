@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Program, Run, TA};
+use common::{Program, Run, TA, random_program};
 use toolpaths::PathError;
 
 #[test]
@@ -282,4 +282,19 @@ fn extents_and_polyline_contain_what_arcs_reach() {
     let step = std::f64::consts::PI / arc;
     assert!(5.0 * (1.0 - (step / 2.0).cos()) <= 0.001, "{arc} chords");
     assert!(path.polyline(0.001, 10).lines.len() <= 12);
+}
+
+#[test]
+fn block_times_add_up_to_the_machine_time() {
+    let p = random_program(11, 3, 30);
+    let run = p.run(|_| 0.7);
+    let m = run.measure(&p);
+    let time: f64 = m.tracker.as_ref().unwrap().blocks().iter().map(|b| b.time_s).sum();
+    assert!((time - run.len() as f64 * TA).abs() < 1e-9, "{time}");
+    // programmed velocity at factor 0.7, but for the last interval
+    let tracker = m.tracker.unwrap();
+    for (stats, block) in tracker.blocks().iter().zip(tracker.path().blocks()) {
+        let mean = block.length / stats.moving_s;
+        assert!((mean / (0.7 * block.vl) - 1.0).abs() < 0.2 || block.length < 1.0, "{mean} for {}", 0.7 * block.vl);
+    }
 }
