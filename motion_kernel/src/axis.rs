@@ -32,7 +32,7 @@ pub enum Doing {
     /// A spooled move; the profile clock is [`Axis::t`].
     Move(u32),
     Wait(Wait),
-    /// A profile of its own in axis units: stop with sdec (js, 4.4.24).
+    /// A profile of its own in axis units: a jog (4.4.19, 4.4.23), or a stop with sdec (js, 4.4.24).
     Alone,
 }
 
@@ -75,6 +75,12 @@ pub struct Parameters {
     pub maxacc: f64,
     pub jerkrel: f64,
     pub sdec: f64,
+    /// Jog velocity, acceleration, slope of its braking ramp, target velocity.
+    pub jvl: f64,
+    pub jac: f64,
+    pub jog_brake: f64,
+    pub jac_written: f64,
+    pub jtvl: f64,
     pub mpe: f64,
     pub ipw: f64,
     pub rotary: bool,
@@ -93,6 +99,11 @@ impl Parameters {
             maxacc: axis.maxacc,
             jerkrel: axis.jerkrel.clamp(0.0, 1.0),
             sdec: axis.stop_deceleration,
+            jvl: axis.jog_velocity,
+            jac: axis.jog_acceleration,
+            jog_brake: axis.jog_acceleration,
+            jac_written: axis.jog_acceleration,
+            jtvl: 0.0,
             mpe: axis.mpe,
             ipw: axis.ipw,
             rotary,
@@ -110,6 +121,10 @@ pub struct Axis {
     pub component: Component,
     /// Profile of [`Doing::Alone`].
     pub alone: Profile,
+    /// It is a jog: on the clock of the jog override, to the target of the component.
+    pub jogging: bool,
+    /// Direct commands called and not in effect yet (design D2).
+    pub pending: u32,
     /// Set point and its velocity, axis units.
     pub dp: f64,
     pub dv: f64,
@@ -147,6 +162,8 @@ impl Axis {
             t: 0.0,
             component: Component::default(),
             alone: Profile::default(),
+            jogging: false,
+            pending: 0,
             dp: axis.start,
             dv: 0.0,
             plan_v: 0.0,
@@ -173,7 +190,15 @@ impl Axis {
     }
     /// No profile and nothing spooled.
     pub fn is_drained(&self) -> bool {
-        self.doing == Doing::Nothing && self.spooler.is_empty()
+        self.doing == Doing::Nothing && self.spooler.is_empty() && self.pending == 0
+    }
+    /// The jog override; without OvrMode it is the effective trajectory override, also while that ramps (4.4.175).
+    pub fn jog_override(&self) -> f64 {
+        if self.jovr_follows { self.trajectory.factor } else { self.parameters.jovr }
+    }
+    /// Velocity of the set point now, axis units.
+    pub fn velocity(&self) -> f64 {
+        if self.doing == Doing::Nothing { self.run_on_v * self.trajectory.factor } else { self.dv }
     }
     /// True while the axis executes this move or has it in its spooler as the newest motion.
     pub fn holds(&self, slot: u32) -> bool {

@@ -17,6 +17,9 @@ impl Mcu {
         if !self.holding {
             self.run_tasks();
         }
+        if !self.pending.is_empty() {
+            self.begin_direct();
+        }
         if self.waiting {
             self.end_waits();
         }
@@ -52,10 +55,7 @@ impl Mcu {
                     axis.dv = 0.0;
                     return;
                 }
-                Doing::Alone => {
-                    axis.t += self.ta;
-                    return axis.evaluate_alone();
-                }
+                Doing::Alone => return axis.step_alone(self.ta),
                 Doing::Nothing => {
                     if axis.spooler.state != SpoolState::Running {
                         return axis.run_on(rest);
@@ -274,7 +274,7 @@ impl Mcu {
             let position_loop = &mut self.loops[a];
             let held = axis.limiting.frozen.is_some();
             position_loop.control(axis.set_point(), if held { 0.0 } else { axis.dv }, axis.limiting.motor_off);
-            let travels = matches!(axis.doing, Doing::Move(_) | Doing::Alone);
+            let travels = matches!(axis.doing, Doing::Move(_) | Doing::Alone) || axis.pending > 0;
             axis.status.put(Axst::pe, !travels);
             let off = (axis.set_point() - position_loop.rp()).abs();
             let in_position = !travels && (axis.parameters.ipw <= 0.0 || off < axis.parameters.ipw);
@@ -326,7 +326,7 @@ impl Mcu {
         if let Doing::Move(slot) = leader.doing {
             let mv = &self.moves[slot];
             (line, number) = (mv.line, mv.number);
-            flags |= if mv.rapid { flag::RAPID } else { 0 };
+            flags |= if mv.rapid { flag::RAPID } else { 0 } | if mv.direct { flag::DIRECT } else { 0 };
         }
         flags |= if self.holding { flag::HELD } else { 0 };
         trace.line.push(line);
@@ -343,12 +343,20 @@ impl Axis {
         self.dp += self.run_on_v * rest;
         self.dv = self.run_on_v * self.trajectory.factor;
     }
-    fn evaluate_alone(&mut self) {
-        let (s, v) = self.alone.at(self.t);
-        (self.dp, self.dv) = (self.component.base + self.component.p * s, self.component.p * v);
-        if self.t >= self.alone.end_t {
-            (self.doing, self.dv, self.plan_v) = (Doing::Nothing, 0.0, 0.0);
-            self.forget_queue();
+    /// A jog or a stop of the axis alone.
+    fn step_alone(&mut self, ta: f64) {
+        let factor = if self.jogging { self.jog_override() } else { 1.0 };
+        self.t += factor * ta;
+        let rest = self.t - self.alone.end_t;
+        if rest < 0.0 {
+            let (s, v) = self.alone.at(self.t);
+            (self.dp, self.dv) = (self.component.base + self.component.p * s, self.component.p * v * factor);
+            return;
         }
+        let (end_s, end_v) = (self.alone.end_s, self.alone.end_v);
+        self.dp = if self.jogging { self.component.target } else { self.component.base + self.component.p * end_s };
+        (self.doing, self.run_on_v) = (Doing::Nothing, self.component.p * end_v);
+        (self.dp, self.dv) = (self.dp + self.run_on_v * rest, self.run_on_v * factor);
+        self.forget_queue();
     }
 }

@@ -73,6 +73,7 @@ impl Mcu {
     }
 
     fn stop_contours(&mut self, axes: AxisSet, behind: Behind) {
+        self.drop_pending(axes);
         let mut done = AxisSet::EMPTY;
         for a in self.known(axes).iter() {
             match self.axes[a].doing {
@@ -90,6 +91,7 @@ impl Mcu {
                         self.js(AxisSet::single(a));
                     }
                 }
+                Doing::Alone if self.axes[a].jogging => self.js(AxisSet::single(a)),
                 Doing::Alone => {}
                 Doing::Wait(_) => self.break_wait(a, behind),
                 Doing::Nothing if self.axes[a].run_on_v != 0.0 => self.js(AxisSet::single(a)),
@@ -240,6 +242,7 @@ impl Mcu {
             }
         }
         axis.spooler.insert(behind, Entry::HoldPoint);
+        axis.spooler.state = SpoolState::Running; // also behind a direct move
     }
 
     /// `ms` or the end of a job during a hold: what was kept goes too.

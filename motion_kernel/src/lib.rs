@@ -9,6 +9,7 @@ pub mod axes;
 pub mod axis;
 pub mod controller;
 mod cycle;
+mod direct;
 pub mod functions;
 mod hold;
 pub mod limits;

@@ -105,6 +105,7 @@ pub struct Mcu {
     pub(crate) commands: u32,
     pub(crate) events: Events,
     pub(crate) cache: PointCache,
+    pub(crate) pending: Vec<crate::direct::Pending>,
     /// Courses of the command being spooled.
     pub(crate) components: Vec<Component>,
     pub(crate) holding: bool,
@@ -154,6 +155,7 @@ impl Mcu {
             events: Events::default(),
             cache: PointCache { slot: NONE, t: 0.0, v: 0.0, point: crate::path::Point::default() },
             components: Vec::with_capacity(MAX_AXES),
+            pending: Vec::with_capacity(crate::direct::MOST_PENDING),
             holding: false,
             told: Told::default(),
             settled: 0,
@@ -246,7 +248,9 @@ impl Mcu {
 
     /// No axis travels.
     pub fn stands(&self) -> bool {
-        self.axes.iter().all(|a| !matches!(a.doing, Doing::Move(_) | Doing::Alone) && a.run_on_v == 0.0)
+        self.axes
+            .iter()
+            .all(|a| !matches!(a.doing, Doing::Move(_) | Doing::Alone) && a.run_on_v == 0.0 && a.pending == 0)
     }
 
     fn is_finished(&mut self) -> bool {

@@ -67,21 +67,21 @@ impl Mcu {
     }
 
     fn check(&mut self, command: &MotionCommand) -> Result<(), Entered> {
-        let axes = command.axes.set();
+        self.check_parameters(command)?;
+        if !self.has_room(command.kind, command.axes) {
+            self.raise(ErrorReg::errSpoolerOverrun);
+            return Err(Entered::Full);
+        }
+        Ok(())
+    }
+
+    /// What spooled and direct commands refuse alike: axes, open loops, velocity and acceleration.
+    pub(crate) fn check_parameters(&mut self, command: &MotionCommand) -> Result<(), Entered> {
         let too_few = command.axes.is_empty() || (!command.kind.is_linear() && command.axes.len() < 2);
-        if command.axes.has_duplicates() || !self.all_axes().contains_all(axes) || too_few {
-            self.raise(ErrorReg::errAxDef);
-            return Err(Entered::Discarded);
-        }
-        if axes.iter().any(|a| !self.loops[a].closed) {
-            self.refuse(axes.iter().filter(|&a| !self.loops[a].closed).collect());
-            return Err(Entered::Refused);
-        }
+        self.check_axes(command.axes, too_few)?;
         let positive = |x: f64| x > 0.0 && x.is_finite();
-        for (ok, bit) in [
-            (positive(command.vl) && command.tvl.is_finite(), ErrorReg::VelocityZero),
-            (positive(command.ac), ErrorReg::AccelZero),
-        ] {
+        let has_velocity = positive(command.vl) && command.tvl.is_finite();
+        for (ok, bit) in [(has_velocity, ErrorReg::VelocityZero), (positive(command.ac), ErrorReg::AccelZero)] {
             if !ok {
                 self.raise(bit);
                 if !self.registers.modereg.has(ModeReg::InhibitProfileRefuse) {
@@ -90,14 +90,25 @@ impl Mcu {
                 return Err(Entered::Discarded);
             }
         }
-        if !self.has_room(command.kind, command.axes) {
-            self.raise(ErrorReg::errSpoolerOverrun);
-            return Err(Entered::Full);
+        Ok(())
+    }
+
+    /// Axes named twice or not there (ErrorReg bit 0), and axes in open loop (design D11).
+    pub(crate) fn check_axes(&mut self, list: &AxisList, too_few: bool) -> Result<(), Entered> {
+        let axes = list.set();
+        if list.has_duplicates() || !self.all_axes().contains_all(axes) || too_few {
+            self.raise(ErrorReg::errAxDef);
+            return Err(Entered::Discarded);
+        }
+        let open: AxisSet = axes.iter().filter(|&a| !self.loops[a].closed).collect();
+        if !open.is_empty() {
+            self.refuse(open);
+            return Err(Entered::Refused);
         }
         Ok(())
     }
 
-    fn discard(&mut self, nothing: NoPath) -> Entered {
+    pub(crate) fn discard(&mut self, nothing: NoPath) -> Entered {
         self.raise(match nothing {
             NoPath::Zero => ErrorReg::ZeroProfile,
             NoPath::Radius { exactly: true } => ErrorReg::RadiusError | ErrorReg::errCenterPoint,
@@ -108,7 +119,7 @@ impl Mcu {
     }
 
     /// The path of a command from the end of what is spooled.
-    fn course(&self, command: &MotionCommand, components: &mut Vec<Component>) -> Result<Geometry, NoPath> {
+    pub(crate) fn course(&self, command: &MotionCommand, components: &mut Vec<Component>) -> Result<Geometry, NoPath> {
         let n = command.axes.len();
         let (mut start, mut target, mut scale) = ([0.0; MAX_AXES], [0.0; MAX_AXES], [1.0; MAX_AXES]);
         let mut center = command.center;
@@ -189,30 +200,22 @@ impl Mcu {
         let before = self.chain_end(axes);
         let junction_v =
             before.map_or(0.0, |previous| self.turn_v(previous, command.axes, geometry, components).min(vl));
+        let jerkrel = self.jerkrel_of(axes);
         let slot = self.moves.add(Move {
             axes,
             number: self.commands,
             line: command.line,
             rapid: command.rapid,
             length: geometry.length,
-            from: 0.0,
             to: geometry.length,
             curvature: geometry.curvature,
             vl,
             ac,
             tvl,
-            jerkrel: command.axes.iter().map(|a| self.axes[a].parameters.jerkrel).fold(1.0, f64::min),
-            planned: false,
-            stopping: false,
-            profile: Profile::default(),
+            jerkrel,
             users: command.axes.len() as u32,
             junction_v2: junction_v * junction_v,
-            chain: NONE,
-            prefix_v2: 0.0,
-            next: NONE,
-            previous: NONE,
-            queue_next: NONE,
-            queue_previous: NONE,
+            ..Move::default()
         });
         let tangent = self.lookahead.append(&mut self.moves, slot, before);
         let end = path::point(geometry.length, geometry.curvature);
@@ -222,6 +225,11 @@ impl Mcu {
             axis.spooler.push(Entry::Move { slot, component });
             (axis.queue_end, axis.queue_tvl, axis.queue_last) = (component.target, tvl, slot);
         }
+    }
+
+    /// Interpolating axes use the smallest jerkrel of the group (design D14).
+    pub(crate) fn jerkrel_of(&self, axes: AxisSet) -> f64 {
+        axes.iter().map(|a| self.axes[a].parameters.jerkrel).fold(1.0, f64::min)
     }
 
     /// Highest speed at the junction with the move before: no axis may change its speed by more than its mdvel
@@ -305,9 +313,10 @@ impl Mcu {
 
     /// Axes stop, each on its own, with their stop deceleration sdec (js); their spoolers are discarded.
     pub fn js(&mut self, axes: AxisSet) {
+        self.drop_pending(axes);
         for a in self.known(axes).iter() {
             let axis = &mut self.axes[a];
-            let v = if axis.doing == Doing::Nothing { axis.run_on_v * axis.trajectory.factor } else { axis.dv };
+            let v = axis.velocity();
             self.enter_direct_mode(a);
             let axis = &mut self.axes[a];
             if v == 0.0 {
@@ -316,7 +325,7 @@ impl Mcu {
             let brake_acc = if axis.parameters.sdec > 0.0 { axis.parameters.sdec } else { f64::INFINITY };
             (axis.alone, _) = Profile::stopping(0.0, f64::INFINITY, v.abs(), brake_acc, 0.0);
             (axis.component.base, axis.component.p) = (axis.dp, v.signum());
-            (axis.doing, axis.t) = (Doing::Alone, 0.0);
+            (axis.doing, axis.t, axis.jogging) = (Doing::Alone, 0.0, false);
         }
     }
 
@@ -328,13 +337,14 @@ impl Mcu {
         }
         let axis = &mut self.axes[a];
         (axis.doing, axis.function, axis.dv, axis.plan_v) = (Doing::Nothing, None, 0.0, 0.0);
-        (axis.run_on_v, axis.path_v, axis.short_moves) = (0.0, 0.0, 0);
+        (axis.run_on_v, axis.path_v, axis.short_moves, axis.last_axes) = (0.0, 0.0, 0, AxisSet::EMPTY);
         axis.spooler.state = SpoolState::Direct;
         axis.forget_queue();
     }
 
     /// Closes the loops: the actual position becomes the set point, spoolers are discarded (cl, 4.4.8).
     pub fn cl(&mut self, axes: AxisSet) {
+        self.drop_pending(axes);
         for a in self.known(axes).iter() {
             self.enter_direct_mode(a);
             let axis = &mut self.axes[a];
@@ -349,6 +359,7 @@ impl Mcu {
 
     /// Opens the loops (ol).
     pub fn ol(&mut self, axes: AxisSet) {
+        self.drop_pending(axes);
         for a in self.known(axes).iter() {
             self.enter_direct_mode(a);
             self.loops[a].open();
@@ -417,8 +428,7 @@ impl Mcu {
     }
     /// The jog override; without OvrMode it shows the effective override while that ramps (4.4.175).
     pub fn rdjovr(&self, axis: usize) -> f64 {
-        let axis = &self.axes[axis];
-        if axis.jovr_follows { axis.trajectory.factor } else { axis.parameters.jovr }
+        self.axes[axis].jog_override()
     }
 
     /// CI99 := 0 in step with the system: axes waiting for it go on in the same sample (4.4.7).

@@ -176,6 +176,56 @@ impl Profile {
         profile
     }
 
+    /// A profile of direct mode, from the momentary velocity (negative: away from the target): jogs (2.2.1) and
+    /// direct moves (2.2.2). A start above the maximum brakes by a ramp. Where the way is too short to brake, a
+    /// jog jumps at its end, a move at its start.
+    pub fn direct(r: &Request, brake_acc: f64, is_jog: bool) -> Profile {
+        let (length, v0) = (r.to - r.from, r.start_v);
+        let reach_v2 = v0 * v0 + 2.0 * r.acc * length;
+        let wanted_v = r.target_v.clamp(-r.max_v, r.max_v);
+        let end_v = if wanted_v > 0.0 { wanted_v.min(reach_v2.sqrt()) } else { wanted_v };
+        let after_v = if end_v == wanted_v { r.target_v } else { end_v };
+        let mut profile = Profile { end_s: r.to, end_v: after_v, ..Profile::default() };
+        let brake_s = (v0 * v0 - end_v * end_v) / (2.0 * brake_acc);
+        if v0 > 0.0 && brake_s > length {
+            profile.too_fast(r, end_v, brake_s, brake_acc, is_jog);
+            return profile;
+        }
+        let shares = 1.0 / (2.0 * r.acc) + 1.0 / (2.0 * brake_acc);
+        let top_v2 = (length + v0 * v0 / (2.0 * r.acc) + end_v * end_v / (2.0 * brake_acc)) / shares;
+        let peak_v = if top_v2 < r.max_v * r.max_v { top_v2.sqrt() } else { r.max_v };
+        let first_acc = if v0 > peak_v { -brake_acc } else { r.acc };
+        profile.push(r.from, v0, peak_v, first_acc, r.jerkrel);
+        let braking_s = (peak_v * peak_v - end_v * end_v) / (2.0 * brake_acc);
+        let cruise_s = r.to - profile.next_s(r.from) - braking_s;
+        if top_v2 >= r.max_v * r.max_v && cruise_s > 0.0 {
+            profile.hold_speed_from(r.from, peak_v, cruise_s / peak_v);
+        }
+        profile.push(r.from, peak_v, end_v, -brake_acc, r.jerkrel);
+        profile
+    }
+
+    /// The way is too short to brake to `end_v`.
+    fn too_fast(&mut self, r: &Request, end_v: f64, brake_s: f64, brake_acc: f64, is_jog: bool) {
+        let spent_v2 = 2.0 * brake_acc * (r.to - r.from);
+        if end_v < 0.0 {
+            self.push(r.from, r.start_v, end_v, -brake_acc, r.jerkrel);
+            self.hold_speed(end_v, (r.from + brake_s - r.to) / -end_v);
+        } else if is_jog {
+            self.push(r.from, r.start_v, (r.start_v * r.start_v - spent_v2).sqrt(), -brake_acc, 0.0);
+        } else {
+            self.push(r.from, (end_v * end_v + spent_v2).sqrt(), end_v, -brake_acc, r.jerkrel);
+        }
+    }
+
+    /// From `start_v` to `max_v` and on for ever.
+    pub fn endless(start_v: f64, max_v: f64, acc: f64, brake_acc: f64) -> Profile {
+        let mut profile = Profile { end_s: f64::INFINITY, end_v: max_v, ..Profile::default() };
+        profile.push(0.0, start_v, max_v, if start_v > max_v { -brake_acc } else { acc }, 0.0);
+        profile.hold_speed_from(0.0, max_v, f64::INFINITY);
+        profile
+    }
+
     /// Braking along a planned contour (design D17) with `brake_acc`, but harder where the plan asks for less
     /// than that leaves at `to` (`limit_v2`, squared). A plan is concave in v² over the path, so this is never
     /// faster than planned. Returns the profile, and whether it stands still before `to`.

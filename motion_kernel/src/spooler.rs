@@ -25,6 +25,8 @@ pub struct Move {
     pub number: u32,
     pub line: u32,
     pub rapid: bool,
+    /// A direct command (mla, mca, mha ...), not from the spooler.
+    pub direct: bool,
     /// Length of the whole geometry; this entry travels from `from` to `to` of it (a feed hold cuts moves).
     pub length: f64,
     pub from: f64,
@@ -50,6 +52,38 @@ pub struct Move {
     pub previous: u32,
     pub queue_next: u32,
     pub queue_previous: u32,
+}
+
+impl Default for Move {
+    /// A move without axes, not planned, in no chain.
+    fn default() -> Self {
+        Move {
+            axes: AxisSet::EMPTY,
+            number: 0,
+            line: 0,
+            rapid: false,
+            direct: false,
+            length: 0.0,
+            from: 0.0,
+            to: 0.0,
+            curvature: 0.0,
+            vl: 0.0,
+            ac: 0.0,
+            tvl: 0.0,
+            jerkrel: 0.0,
+            planned: false,
+            stopping: false,
+            profile: Profile::default(),
+            users: 0,
+            junction_v2: 0.0,
+            chain: NONE,
+            prefix_v2: 0.0,
+            next: NONE,
+            previous: NONE,
+            queue_next: NONE,
+            queue_previous: NONE,
+        }
+    }
 }
 
 /// Slab of the moves in all spoolers.
