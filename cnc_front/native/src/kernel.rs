@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use motion_kernel::autocode::MoveKind;
 use motion_kernel::axes::{AxisList, AxisSet, MAX_AXES};
+use motion_kernel::axis::Parameters;
 use motion_kernel::functions::Entered;
 use motion_kernel::machine::{self, AxisKind};
 use motion_kernel::pcap::MotionCommand;
@@ -236,6 +237,16 @@ impl Mcu {
         });
         Chunk::new(py, trace, stop)
     }
+    /// As `advance`, but all samples pass, whatever happens.
+    fn pass_time(&mut self, py: Python<'_>, samples: u64) -> PyResult<Chunk> {
+        let kernel = &mut self.kernel;
+        let trace = py.detach(|| {
+            let mut trace = Trace::default();
+            kernel.pass(samples, &mut trace);
+            trace
+        });
+        Chunk::new(py, trace, Stop::Budget)
+    }
     fn prepare_gcode(&mut self) {
         self.kernel.prepare_gcode();
     }
@@ -397,6 +408,38 @@ impl Mcu {
         self.kernel.set_inputs(digi);
     }
 
+    /// One axis as in `status`.
+    fn read_axis<'py>(&self, py: Python<'py>, axis: usize) -> PyResult<Bound<'py, PyDict>> {
+        self.check(axis)?;
+        axis_dict(py, &self.kernel.status().axes[axis])
+    }
+    /// An axis qualifier under its name in the manual, in PU and TU.
+    fn read_qualifier(&mut self, axis: usize, name: &str) -> PyResult<f64> {
+        self.check(axis)?;
+        Ok(*qualifier(self.kernel.parameters_mut(axis), name)?)
+    }
+    fn write_qualifier(&mut self, axis: usize, name: &str, value: f64) -> PyResult<()> {
+        self.check(axis)?;
+        *qualifier(self.kernel.parameters_mut(axis), name)? = not_negative(value)?;
+        Ok(())
+    }
+    /// TROVR (buffered), TROVRST and TRAC; axes of NFRAX; LookAheadDepth.
+    fn read_registers(&mut self) -> (f64, f64, f64, Vec<usize>, u32) {
+        let r = self.kernel.registers_mut();
+        (r.trovr, r.trovrst, r.trac, r.nfrax.iter().collect(), r.lookahead_depth)
+    }
+    fn write_trac(&mut self, value: f64) -> PyResult<()> {
+        self.kernel.registers_mut().trac = not_negative(value)?;
+        Ok(())
+    }
+    fn write_nfrax(&mut self, axes: Vec<usize>) -> PyResult<()> {
+        self.kernel.registers_mut().nfrax = set(&axes)?;
+        Ok(())
+    }
+    fn write_lookahead_depth(&mut self, entries: u32) {
+        self.kernel.registers_mut().lookahead_depth = entries;
+    }
+
     /// Everything a screen shows: the controller as a dict, its axes as a list of dicts.
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let s = self.kernel.status();
@@ -442,6 +485,28 @@ fn axis_dict<'py>(py: Python<'py>, a: &motion_kernel::status::AxisSnapshot) -> P
     dict.set_item("spooler", format!("{:?}", a.spool_state))?;
     dict.set_item("digo", a.digo)?;
     Ok(dict)
+}
+
+/// The qualifiers that have no rule of their own when they are written.
+fn qualifier<'a>(parameters: &'a mut Parameters, name: &str) -> PyResult<&'a mut f64> {
+    match name {
+        "mdvel" => Ok(&mut parameters.mdvel),
+        "maxvel" => Ok(&mut parameters.maxvel),
+        "maxacc" => Ok(&mut parameters.maxacc),
+        "jerkrel" => Ok(&mut parameters.jerkrel),
+        "sdec" => Ok(&mut parameters.sdec),
+        "mpe" => Ok(&mut parameters.mpe),
+        "ipw" => Ok(&mut parameters.ipw),
+        _ => Err(PyValueError::new_err(format!("no qualifier {name}"))),
+    }
+}
+
+fn not_negative(value: f64) -> PyResult<f64> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(PyValueError::new_err(format!("{value} is no finite number of 0 or more")))
+    }
 }
 
 fn known_task(task: usize) -> PyResult<usize> {
