@@ -1,21 +1,19 @@
 //! `cnc_front._native.motion_kernel`: the machine file and the controller.
 
-use std::sync::Arc;
-
 use motion_kernel::autocode::MoveKind;
 use motion_kernel::axes::{AxisList, AxisSet, MAX_AXES};
 use motion_kernel::axis::Parameters;
 use motion_kernel::functions::Entered;
-use motion_kernel::machine::{self, AxisKind};
 use motion_kernel::pcap::MotionCommand;
 use motion_kernel::registers::{Axst, ErrorReg, ModeReg};
 use motion_kernel::trace::Trace;
 use motion_kernel::{Mcu as Kernel, Stop};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::chunk::Chunk;
+use crate::machine::{Machine, MachineError};
 use crate::program::Program;
 
 pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -25,162 +23,6 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Chunk>()?;
     module.add_function(wrap_pyfunction!(register_bits, module)?)?;
     Ok(())
-}
-
-pyo3::create_exception!(
-    motion_kernel,
-    MachineError,
-    PyValueError,
-    "A machine file with findings: args[0] is a list of (file, line, column, end_column, id, message, hint)."
-);
-
-/// A validated machine file.
-#[pyclass(frozen, module = "cnc_front._native.motion_kernel")]
-pub struct Machine {
-    pub inner: Arc<machine::Machine>,
-}
-
-pub type Row = (String, u32, u32, u32, String, String, String);
-
-#[pymethods]
-impl Machine {
-    /// Reads the bytes of a machine file; raises MachineError with all findings.
-    #[staticmethod]
-    fn parse(bytes: &[u8], filename: &str) -> PyResult<Machine> {
-        machine::Machine::parse(bytes).map(|inner| Machine { inner: Arc::new(inner) }).map_err(|list| {
-            let row = |d: machine::MachineDiagnostic| -> Row {
-                (filename.to_owned(), d.line, d.column, d.end_column, d.id.to_owned(), d.message, d.hint)
-            };
-            MachineError::new_err((list.into_iter().map(row).collect::<Vec<Row>>(),))
-        })
-    }
-    /// The built-in 3-axis mill.
-    #[staticmethod]
-    fn builtin() -> Machine {
-        Machine { inner: Arc::new(machine::Machine::builtin()) }
-    }
-    /// Text of the built-in machine file.
-    #[staticmethod]
-    fn builtin_text() -> &'static str {
-        machine::BUILTIN
-    }
-    /// The resolved machine file with all defaults.
-    fn show(&self) -> String {
-        self.inner.show()
-    }
-    #[getter]
-    fn name(&self) -> &str {
-        &self.inner.name
-    }
-    #[getter]
-    fn tolerance_mm(&self) -> f64 {
-        self.inner.tolerance_mm
-    }
-    #[getter]
-    fn sample_time_us(&self) -> f64 {
-        f64::from(self.inner.controller.sample_ticks) * 64.0
-    }
-    #[getter]
-    fn trovrst_s(&self) -> f64 {
-        self.inner.gcode.trovrst_s
-    }
-    #[getter]
-    fn axis_names(&self) -> Vec<String> {
-        self.inner.axes.iter().map(|a| a.name.clone()).collect()
-    }
-    /// Address letter per axis, empty where part programs may not use it.
-    #[getter]
-    fn letters(&self) -> Vec<String> {
-        self.inner.axes.iter().map(|a| a.letter.map(String::from).unwrap_or_default()).collect()
-    }
-    /// "linear" or "rotary" per axis.
-    #[getter]
-    fn kinds(&self) -> Vec<&'static str> {
-        let word = |a: &machine::Axis| if a.kind == AxisKind::Linear { "linear" } else { "rotary" };
-        self.inner.axes.iter().map(word).collect()
-    }
-    /// "mm" or "deg" per axis.
-    #[getter]
-    fn units(&self) -> Vec<&'static str> {
-        self.inner.axes.iter().map(|a| if a.kind == AxisKind::Linear { "mm" } else { "deg" }).collect()
-    }
-    /// Following error limit per axis.
-    #[getter]
-    fn mpe(&self) -> Vec<f64> {
-        self.inner.axes.iter().map(|a| a.mpe).collect()
-    }
-    /// Software limits per axis, None where there are none.
-    #[getter]
-    fn limits(&self) -> Vec<Option<(f64, f64)>> {
-        self.inner.axes.iter().map(|a| a.limits.map(|l| (l.left, l.right))).collect()
-    }
-    /// Start position of a G-code run per axis.
-    #[getter]
-    fn start(&self) -> Vec<f64> {
-        self.inner.axes.iter().map(|a| a.start).collect()
-    }
-    #[getter]
-    fn effradius(&self) -> Vec<f64> {
-        self.inner.axes.iter().map(|a| a.effradius).collect()
-    }
-    /// mdvel, maxvel, maxacc, rapid, acceleration per axis.
-    fn dynamics(&self) -> Vec<(f64, f64, f64, f64, f64)> {
-        self.inner.axes.iter().map(|a| (a.mdvel, a.maxvel, a.maxacc, a.rapid, a.acceleration)).collect()
-    }
-}
-
-/// Columns of some samples (see motion_kernel::trace): n samples, a axes.
-#[pyclass(frozen, get_all, module = "cnc_front._native.motion_kernel")]
-pub struct Chunk {
-    pub first_sample: u64,
-    /// Why the advance ended: "budget", "finished", "acknowledge", "held", "task_error", "fault", "events".
-    pub stop: &'static str,
-    /// Command of an acknowledge, axis of a fault, task of an error; else 0.
-    pub stop_value: u32,
-    pub dp: Py<PyArray2<f64>>,
-    pub load: Py<PyArray2<f64>>,
-    pub rp: Py<PyArray2<f64>>,
-    pub line: Py<PyArray1<u32>>,
-    pub entry: Py<PyArray1<u32>>,
-    pub v_plan: Py<PyArray1<f64>>,
-    pub factor: Py<PyArray1<f64>>,
-    pub flags: Py<PyArray1<u32>>,
-}
-
-impl Chunk {
-    fn new(py: Python<'_>, trace: Trace, stop: Stop) -> PyResult<Chunk> {
-        let (samples, axes) = (trace.len(), trace.axes);
-        let matrix = |column: Vec<f64>| column.into_pyarray(py).reshape([samples, axes]).map(Bound::unbind);
-        let (stop, stop_value) = match stop {
-            Stop::Budget => ("budget", 0),
-            Stop::Finished => ("finished", 0),
-            Stop::Acknowledge { command } => ("acknowledge", u32::from(command)),
-            Stop::Held => ("held", 0),
-            Stop::TaskError { task } => ("task_error", task as u32),
-            Stop::Fault { axis } => ("fault", axis as u32),
-            Stop::Events => ("events", 0),
-        };
-        Ok(Chunk {
-            first_sample: trace.first_sample,
-            stop,
-            stop_value,
-            dp: matrix(trace.dp)?,
-            load: matrix(trace.load)?,
-            rp: matrix(trace.rp)?,
-            line: trace.line.into_pyarray(py).unbind(),
-            entry: trace.entry.into_pyarray(py).unbind(),
-            v_plan: trace.v_plan.into_pyarray(py).unbind(),
-            factor: trace.factor.into_pyarray(py).unbind(),
-            flags: trace.flags.into_pyarray(py).unbind(),
-        })
-    }
-}
-
-#[pymethods]
-impl Chunk {
-    fn __len__(&self, py: Python<'_>) -> usize {
-        self.flags.bind(py).len().unwrap_or(0)
-    }
 }
 
 /// The emulated controller. Axes are given by index; motion_kernel.Mcu adds names.

@@ -2,7 +2,9 @@
 
 use pyo3::prelude::*;
 
+mod chunk;
 mod kernel;
+mod machine;
 mod paths;
 mod program;
 mod record;

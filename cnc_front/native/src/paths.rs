@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use toolpaths::{BlockStats, DeviationSummary, MinMax, SequenceView, Summary, TrackerOptions};
 
-use crate::kernel::Chunk;
+use crate::chunk::Chunk;
 
 pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Path>()?;

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use recording::{Attached, Columns, ColumnsView, Error, Header, Item};
 
-use crate::kernel::Chunk;
+use crate::chunk::Chunk;
 
 pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Writer>()?;
