@@ -107,6 +107,7 @@ class Job:
     lines: Sequence[str]
     plot: PathPlot
     extents: dict[str, tuple[float, float]]
+    tolerance_mm: float
     warnings: tuple[str, ...] = field(default=())
 
 

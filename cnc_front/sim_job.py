@@ -76,6 +76,7 @@ def load_job(path: str, machine: str | None, options: CompileOptions) -> LoadedJ
         lines=compiled.source.text().splitlines(),
         plot=_plot(line, names),
         extents=dict(zip(names, programmed.extents, strict=True)),
+        tolerance_mm=compiled.machine.machine.tolerance_mm,
         warnings=tuple(f"{d.line}:{d.column}: {d.id}: {d.message}" for d in compiled.warnings),
     )
     return LoadedJob(
