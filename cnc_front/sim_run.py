@@ -94,8 +94,8 @@ class SimRun:
     # ---- the operator
 
     def hold(self) -> None:
-        """Brakes along the path; at a block end or a programmed stop the axes stand already."""
-        if not self.holding:
+        """Brakes along the path; at a block end or a programmed stop the axes stand already, and only `go_on` moves."""
+        if not self.holding and not self.at_rest:
             self.holding, self.execution.held = True, False
             self.execution.mcu.hold()
 

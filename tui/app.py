@@ -6,13 +6,14 @@ import contextlib
 import signal
 import time
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 from rich.style import Style
 from textual.app import App, ComposeResult
 from textual.binding import Binding
 from textual.containers import Container
+from textual.widget import Widget
 from textual.widgets import Input
 
 from cnc_front.diagnostics import Diagnostic
@@ -26,6 +27,7 @@ from tui.raster import Raster, grades
 from tui.widgets import Lines, PathPlotView, ProgramView
 from tui.words import Say
 
+W = TypeVar("W", bound=Widget)
 REFRESH_HZ = 10
 #: Seconds that a reset stays armed.
 ARMED_S = 3.0
@@ -76,6 +78,7 @@ class Terminal(App[int]):
         self._last: Snapshot | None = None
         self._last_change = 0.0
         self._alarms_seen = 0
+        self._asked = _Asked()
 
     # ---- layout
 
@@ -92,10 +95,10 @@ class Terminal(App[int]):
 
     def on_mount(self) -> None:
         """Connects the lines to the engine and begins to look at it."""
-        self.query_one("#header", Lines).source = lambda width: [self._header(width)]
-        self.query_one("#values", Lines).source = lambda width: lines.values(self._shown(), width)
-        self.query_one("#message", Lines).source = lambda width: [self._message_line()]
-        self.query_one("#keys", Lines).source = lambda width: [lines.keys(self._shown(), width)]
+        self._find("#header", Lines).source = lambda width: [self._header(width)]
+        self._find("#values", Lines).source = lambda width: lines.values(self._shown(), width)
+        self._find("#message", Lines).source = lambda width: [self._message_line()]
+        self._find("#keys", Lines).source = lambda width: [lines.keys(self._shown(), width)]
         with contextlib.suppress(AttributeError, ValueError):  # no SIGHUP here, or not the main thread
             signal.signal(signal.SIGHUP, self._hang_up)
         self._layout()
@@ -115,9 +118,18 @@ class Terminal(App[int]):
         small = self.size.width < MINIMUM[0] or self.size.height < MINIMUM[1]
         for name, on in (("wide", self._wide), ("small", small), *((f"view-{v}", v == self._view) for v in VIEWS)):
             self.screen_stack[0].set_class(on, name)
-        rows = len(lines.values(self._shown(), self.size.width))
-        self.query_one("#values", Lines).styles.height = rows
+        body, program, plot = self._find("#body", Container), self._find(ProgramView), self._find(PathPlotView)
+        # the grid is filled in order: wide, the plot stands beside both; narrow, right of the program
+        if self._wide:
+            body.move_child(plot, before=program)
+        else:
+            body.move_child(plot, after=program)
         self.call_after_refresh(self.look)
+
+    def _find(self, selector: str | type[W], kind: type[W] | None = None) -> W:
+        """A widget of the Run screen, also while a dialog stands before it."""
+        base = self.screen_stack[0]
+        return base.query_one(selector, kind) if kind is not None else base.query_one(selector)  # type: ignore[arg-type,return-value]
 
     def _shown(self) -> Shown:
         stale = self._last is not None and time.monotonic() - self._last_change > 1.0
@@ -141,7 +153,7 @@ class Terminal(App[int]):
         snapshot = self.engine.snapshot()
         if snapshot != self._last:
             self._last, self._last_change = snapshot, time.monotonic()
-        program = self.query_one(ProgramView)
+        program = self._find(ProgramView)
         program.cursor = snapshot.line
         if self.job is not None and snapshot.deviation_max_mm > self.job.tolerance_mm:
             program.mark(snapshot.deviation_max_line, f"!{snapshot.deviation_max_mm * 1e3:.1f}um")
@@ -150,7 +162,7 @@ class Terminal(App[int]):
         if self._armed_until and time.monotonic() > self._armed_until:
             self._armed_until = 0.0
         for name in ("header", "values", "message", "keys"):
-            self.query_one(f"#{name}", Lines).update()
+            self._find(f"#{name}", Lines).update()
 
     def _take_alarms(self, snapshot: Snapshot) -> None:
         for alarm in snapshot.alarms[self._alarms_seen :]:
@@ -159,7 +171,7 @@ class Terminal(App[int]):
         self._alarms_seen = len(snapshot.alarms)
 
     def _draw_path(self, snapshot: Snapshot) -> None:
-        plot = self.query_one(PathPlotView)
+        plot = self._find(PathPlotView)
         if plot.raster is None or self.job is None:
             return
         reached, values = self.engine.new_deviation(self._driven)
@@ -205,7 +217,9 @@ class Terminal(App[int]):
         if snapshot.message and self._message_at == len(self._messages) - 1 and self._messages[-1][1] != "bad":
             return [(f" {snapshot.message}", "text")]
         text, style = self._messages[self._message_at]
-        more = f"   {self._message_at + 1}/{len(self._messages)} {self.say('details')}" if len(self._messages) > 1 else ""
+        more = (
+            f"   {self._message_at + 1}/{len(self._messages)} {self.say('details')}" if len(self._messages) > 1 else ""
+        )
         room = max(0, self.size.width - len(more) - 1)
         return [(f" {text}"[:room].ljust(room), style), (more, "soft")]
 
@@ -237,9 +251,9 @@ class Terminal(App[int]):
 
     def _take(self, job: Job) -> None:
         self.job, self._driven, self._alarms_seen = job, 0, 0
-        self.query_one(ProgramView).show(job.lines)
+        self._find(ProgramView).show(job.lines)
         raster = Raster(np.ascontiguousarray(job.plot.points[:, :2]), job.plot.rapid, self._glyphs)
-        self.query_one(PathPlotView).show(raster)
+        self._find(PathPlotView).show(raster)
         for warning in reversed(job.warnings[:50]):
             self.tell(warning, "warn")
         counts = {"name": job.name, "lines": len(job.lines), "warnings": len(job.warnings)}
@@ -263,7 +277,7 @@ class Terminal(App[int]):
 
     def action_start(self) -> None:
         """r: start, or go on."""
-        self.query_one(ProgramView).follow()
+        self._find(ProgramView).follow()
         if self.engine.snapshot().state in (State.HOLD, State.HOLDING, State.STEP, State.STOPPED):
             self.engine.resume()
         else:
@@ -272,7 +286,7 @@ class Terminal(App[int]):
 
     def action_step(self) -> None:
         """t."""
-        self.query_one(ProgramView).follow()
+        self._find(ProgramView).follow()
         self.engine.step()
 
     def action_single_block(self) -> None:
@@ -281,15 +295,18 @@ class Terminal(App[int]):
 
     def action_override(self, change: float) -> None:
         """+ - *."""
-        now = self.engine.snapshot().override_set
+        now = self._asked.recent("override", self.engine.snapshot().override_set)
         factor = 1.0 if change == 0 else min(max(round(now + change, 2), OVERRIDES[0]), OVERRIDES[1])
+        self._asked.note("override", factor)
         self.engine.set_override(factor)
 
     def action_speed(self, step: int) -> None:
         """, and . go through the simulation speeds; the last is as fast as possible."""
-        now = self.engine.snapshot().speed_factor
+        now = self._asked.recent("speed", self.engine.snapshot().speed_factor)
         place = SPEEDS.index(now) if now in SPEEDS else SPEEDS.index(1.0)
-        self.engine.set_speed(SPEEDS[min(max(place + step, 0), len(SPEEDS) - 1)])
+        speed = SPEEDS[min(max(place + step, 0), len(SPEEDS) - 1)]
+        self._asked.note("speed", speed)
+        self.engine.set_speed(speed)
 
     def action_arm_reset(self) -> None:
         """Ctrl+X; Enter within 3 s does it."""
@@ -313,15 +330,15 @@ class Terminal(App[int]):
 
     def action_fit(self) -> None:
         """f."""
-        self.query_one(PathPlotView).fit()
+        self._find(PathPlotView).fit()
 
     def action_zoom(self, factor: float) -> None:
         """z and Z."""
-        self.query_one(PathPlotView).zoom(factor)
+        self._find(PathPlotView).zoom(factor)
 
     def action_scroll(self, rows: int) -> None:
         """Looks through the program."""
-        self.query_one(ProgramView).scroll(rows)
+        self._find(ProgramView).scroll(rows)
 
     def action_run_screen(self) -> None:
         """F3: back to the Run screen."""
@@ -369,7 +386,7 @@ class Terminal(App[int]):
     def _go_to(self, text: str) -> None:
         count = len(self.job.lines) if self.job is not None else 0
         if text.isdecimal() and 1 <= int(text) <= count:
-            self.query_one(ProgramView).look(int(text))
+            self._find(ProgramView).look(int(text))
         else:
             self.tell(self.say("no_line", text=text), "warn")
 
@@ -395,6 +412,22 @@ class Terminal(App[int]):
         while self.engine.snapshot().state in (State.RUNNING, State.HOLDING) and time.monotonic() < deadline:
             time.sleep(0.01)
         self.exit(129)
+
+
+class _Asked:
+    """What was asked for within the last moment: keys that come faster than the engine answers add up."""
+
+    def __init__(self) -> None:
+        self._values: dict[str, tuple[float, float]] = {}
+
+    def note(self, name: str, value: float) -> None:
+        """A wish that is on its way."""
+        self._values[name] = (value, time.monotonic())
+
+    def recent(self, name: str, reported: float) -> float:
+        """The wish if it is fresh, else what the engine reports."""
+        value, at = self._values.get(name, (reported, 0.0))
+        return value if time.monotonic() - at < 0.5 else reported
 
 
 def _one_line(diagnostic: Diagnostic) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.screen import ModalScreen
@@ -32,7 +34,7 @@ class Ask(ModalScreen[str | None]):
 class Page(ModalScreen[bool]):
     """Shows lines; with `asks`, Enter answers yes."""
 
-    BINDINGS = [("enter", "answer", ""), ("q", "leave", "")]
+    BINDINGS: ClassVar = [("enter", "answer", ""), ("q", "leave", "")]
 
     def __init__(self, title: str, lines: list[str], hint: str = "", asks: bool = False) -> None:
         super().__init__()

@@ -75,7 +75,11 @@ def figures(shown: Shown) -> list[Line]:
     return [
         [(f" F     {s.feed_actual:.0f} / {s.feed_programmed:.0f} mm/min   OVR {override}", "text")],
         [(f" {say('path'):<5} {s.path_done_mm:.1f} / {s.path_total_mm:.1f} mm    {times(shown)}", "text")],
-        [(" DEV   ", "text"), (f"{say('now')} {s.deviation_now_mm * 1e3:.1f} um   {worst}   ", bad), (tolerance, "soft")],
+        [
+            (" DEV   ", "text"),
+            (f"{say('now')} {s.deviation_now_mm * 1e3:.1f} um   {worst}   ", bad),
+            (tolerance, "soft"),
+        ],
         [(f" SPOOL {fills}   {say('empty_in')} {s.spool_empty_s:.1f} s", "text")],
         [(f" {s.modal}  T{s.tool}  {s.spindle}  {s.coolant}", "soft")],
     ]

@@ -52,7 +52,8 @@ class Raster:
         width = max(1, self.columns - 4)
         height = max(1, self.rows - 2) * 2  # a cell is twice as high as wide
         scale = max((high[0] - low[0]) / width, (high[1] - low[1]) / height, 1e-6)
-        self.view = View(*((low + high) / 2).tolist(), scale)
+        x, y = ((low + high) / 2).tolist()
+        self.view = View(x, y, scale)
         self.redraw()
 
     def zoom(self, factor: float) -> None:
@@ -108,7 +109,9 @@ class Raster:
         delta = np.clip(b - a, -4 * (width + height), 4 * (width + height))
         steps = np.ceil(np.abs(delta).max(axis=1)).astype(np.int64) + 1
         which = np.repeat(np.arange(len(a)), steps)
-        part = (np.arange(len(which)) - np.repeat(np.cumsum(steps) - steps, steps)) / np.repeat(np.maximum(steps - 1, 1), steps)
+        part = (np.arange(len(which)) - np.repeat(np.cumsum(steps) - steps, steps)) / np.repeat(
+            np.maximum(steps - 1, 1), steps
+        )
         cells = np.floor(a[which] + delta[which] * part[:, None]).astype(np.int64)
         inside = np.all((cells >= 0) & (cells < [width, height]), axis=1)
         np.maximum.at(self._bitmap, (cells[inside, 1], cells[inside, 0]), classes[which[inside]])

@@ -30,8 +30,13 @@ class Lines(Widget):
         """Asks for the lines again."""
         lines = list(self.source(self.size.width))
         if lines != self._shown:
+            grows = len(lines) != len(self._shown)
             self._shown = lines
-            self.refresh()
+            self.refresh(layout=grows)
+
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        """As many rows as there are lines."""
+        return max(1, len(self._shown))
 
     def on_resize(self) -> None:
         """A new width may mean other lines."""
@@ -120,7 +125,10 @@ class ProgramView(Widget):
         mark = self.marks.get(number, "")
         text = self.lines[number - 1].expandtabs(8).rstrip()[: max(0, width - 9 - len(mark))]
         sign = ">" if current else " "
-        line: Line = [(f"{sign}{number:>6} ", "inverse" if current else "soft"), (text, "cursor" if current else "text")]
+        line: Line = [
+            (f"{sign}{number:>6} ", "inverse" if current else "soft"),
+            (text, "cursor" if current else "text"),
+        ]
         if mark:
             line.append((" " + mark, "bad"))
         return strip(line, width, self._looks, "cursor" if current else "text")
