@@ -7,7 +7,7 @@ use motion_kernel::Mcu;
 use motion_kernel::autocode::MoveKind::{self, *};
 use motion_kernel::axes::AxisList;
 use motion_kernel::functions::Entered;
-use motion_kernel::pcap::MotionCommand;
+use motion_kernel::motion::MotionCommand;
 use motion_kernel::profile::{Profile, Request};
 use motion_kernel::registers::{Axst, ErrorReg, ModeReg};
 use motion_kernel::trace::{Trace, flag};

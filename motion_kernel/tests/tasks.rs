@@ -318,6 +318,37 @@ fn single_step_runs_one_line_and_stops_at_its_end() {
     close(m.status().axes[0].dp, 4.0, 0.0);
 }
 
+#[test]
+fn a_step_waits_for_the_motion_of_the_step_before() {
+    let mut w = Writer::new(3, 50);
+    for n in 1..=4 {
+        w.line(&[f64::from(n), 0.0, 0.0], 50.0, 50.0);
+    }
+    let mut m = Mcu::new(Arc::new(Machine::builtin()));
+    m.prepare_gcode();
+    m.load(0, w.finish());
+    m.stepcnct(0);
+    m.run(10);
+    m.stepcnct(0);
+    m.run(2);
+    assert_eq!((m.status().entry, m.status().axes[0].mcis, m.task_status(0).running), (1, 0, 0b1001));
+    m.run(1000);
+    close(m.status().axes[0].dp, 2.0, 0.0);
+    assert_eq!(m.task_status(0).running, 2);
+}
+
+#[test]
+fn a_new_start_numbers_commands_from_1() {
+    let mut w = Writer::new(3, 0);
+    w.line(&[1.0, 0.0, 0.0], 50.0, 0.0).line(&[0.0, 0.0, 0.0], 50.0, 0.0);
+    let mut m = start(Machine::builtin(), w.finish());
+    for _ in 0..2 {
+        let trace = record(&mut m);
+        assert_eq!((trace.entry[1], trace.entry.iter().max()), (1, Some(&2)));
+        m.startcnct(0);
+    }
+}
+
 // shows: pcap.startcnct, pcap.stopcnct, pcap.stopcnct.continue, pcap.contcnct, struct.cncts.running-bit0
 // shows: pcap.startcnct.stops-running
 #[test]

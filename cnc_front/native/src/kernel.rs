@@ -4,7 +4,7 @@ use motion_kernel::autocode::MoveKind;
 use motion_kernel::axes::{AxisList, AxisSet, MAX_AXES};
 use motion_kernel::axis::Parameters;
 use motion_kernel::functions::Entered;
-use motion_kernel::pcap::MotionCommand;
+use motion_kernel::motion::MotionCommand;
 use motion_kernel::registers::{Axst, ErrorReg, ModeReg};
 use motion_kernel::trace::Trace;
 use motion_kernel::{Mcu as Kernel, Stop};

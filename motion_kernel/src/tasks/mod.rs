@@ -9,7 +9,11 @@ use crate::trace::EventKind;
 
 impl Mcu {
     /// Starts the program of a task from its beginning (startcnct); a running one is stopped before.
+    /// Where no other task is at work, motion commands are numbered from 1 again.
     pub fn startcnct(&mut self, task: usize) {
+        if !self.tasks.iter().enumerate().any(|(n, t)| n != task && t.is_alive()) {
+            self.commands = 0;
+        }
         self.tasks[task].start();
     }
     /// Stops a task where it is (stopcnct); [`Mcu::contcnct`] goes on.

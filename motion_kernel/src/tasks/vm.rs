@@ -4,7 +4,7 @@ use crate::autocode::{BinaryOp, Instr, Program};
 use crate::axes::AxisSet;
 use crate::functions::Entered;
 use crate::mcu::Mcu;
-use crate::pcap::MotionCommand;
+use crate::motion::MotionCommand;
 use crate::spooler::{BYTES_FUNCTION, SpoolState};
 use std::sync::Arc;
 
@@ -203,14 +203,18 @@ impl Task {
         self.program = Some(program);
     }
 
-    /// Single step: stops before the first instruction of another line, and starts what was spooled.
+    /// Single step: waits for the motion of the line before, stops before the first instruction of another line,
+    /// and starts what was spooled. True when nothing is to be executed now.
     fn line_is_done(&mut self, program: &Program, mcu: &mut Mcu) -> bool {
         if !self.stepping {
             return false;
         }
         let line = program.lines[self.pc];
-        let first = *self.step_line.get_or_insert(line);
-        if first == line {
+        if self.step_line.is_none() && !mcu.known(program.group).iter().all(|a| mcu.axes[a].is_drained()) {
+            self.waiting = true;
+            return true;
+        }
+        if *self.step_line.get_or_insert(line) == line {
             return false;
         }
         mcu.start_direct(program.group);

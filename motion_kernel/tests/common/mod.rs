@@ -7,7 +7,7 @@ use motion_kernel::autocode::MoveKind;
 use motion_kernel::axes::{AxisList, AxisSet};
 use motion_kernel::functions::Entered;
 use motion_kernel::machine::*;
-use motion_kernel::pcap::MotionCommand;
+use motion_kernel::motion::MotionCommand;
 use motion_kernel::registers::ModeReg;
 use motion_kernel::trace::Trace;
 use motion_kernel::{Mcu, Stop};
