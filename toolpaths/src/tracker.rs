@@ -131,7 +131,8 @@ impl Watched {
     fn add(&mut self, s: f64, deviation: f32) {
         while self.at + 1 < self.s_mm.len() && s > self.s_mm[self.at] {
             self.at += 1;
-            self.max_mm[self.at] = 0.0;
+            // a piece that no sample fell into has the deviation with which it was passed
+            self.max_mm[self.at] = deviation;
         }
         if let Some(max) = self.max_mm.get_mut(self.at) {
             *max = max.max(deviation);

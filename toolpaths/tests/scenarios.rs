@@ -2,8 +2,10 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::{Program, Run, TA, random_program};
-use toolpaths::PathError;
+use toolpaths::{Chunk, PathError, PerSample, Tracker, TrackerOptions};
 
 #[test]
 fn clean_lines_arcs_and_helices_have_no_deviation() {
@@ -297,4 +299,40 @@ fn block_times_add_up_to_the_machine_time() {
         let mean = block.length / stats.moving_s;
         assert!((mean / (0.7 * block.vl) - 1.0).abs() < 0.2 || block.length < 1.0, "{mean} for {}", 0.7 * block.vl);
     }
+}
+
+#[test]
+fn a_watched_polyline_gets_the_deviation_of_each_piece() {
+    let mut p = Program::new(&[0.0, 0.0]);
+    p.line(&[1.0, 0.0]).line(&[2.0, 0.0]).line(&[3.0, 0.0]);
+    let mut run = p.run(|_| 1.0);
+    run.shift(1, |x| x[1] += 0.004);
+    let path = Arc::new(p.path().unwrap());
+    let mut tracker =
+        Tracker::new(Arc::clone(&path), TrackerOptions { sample_time_s: TA, ..TrackerOptions::default() });
+    // vertices closer than the samples, and the ends of the lines
+    let s_mm: Vec<f64> = [0.0, 0.5, 0.501, 0.502, 1.0, 2.0, 3.0].to_vec();
+    tracker.watch(&s_mm);
+    let half = run.command.iter().filter(|&&c| c == 0).count() + 10;
+    let mut feed = |from: usize, to: usize| {
+        let rows = from * 2..to * 2;
+        let chunk = Chunk {
+            first_sample: from as u64,
+            dp: &run.dp[rows.clone()],
+            load: &run.load[rows.clone()],
+            rp: &run.load[rows],
+            factor: &run.factor[from..to],
+            v_plan: &run.v_plan[from..to],
+        };
+        tracker.feed(&chunk, &mut PerSample::default());
+        let (max, at) = tracker.watched();
+        (max.to_vec(), at)
+    };
+    let (max, at) = feed(0, half);
+    assert_eq!(at, 5);
+    assert!(max[1..5].iter().all(|d| *d < 1e-6), "{max:?}");
+    assert!((max[5] - 0.004).abs() < 1e-6 && max[6].is_nan(), "{max:?}");
+    let (max, at) = feed(half, run.len());
+    assert_eq!(at, 6);
+    assert!(max[6] < 0.0041, "{max:?}");
 }
