@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+pub use motion_kernel::machine::ArcCentre;
 use motion_kernel::machine::{DwellUnit, Machine, Profile};
 
 /// Reads a subprogram file by its name; `None` if there is none.
@@ -40,15 +41,6 @@ impl Default for Limits {
     }
 }
 
-/// Meaning of I J K without G90.1 or G91.1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ArcCentre {
-    Incremental,
-    Absolute,
-    /// MODEREG bit 12 set: incremental; clear: absolute under G90.
-    LikeController,
-}
-
 /// The settled dialect of one compilation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dialect {
@@ -77,22 +69,24 @@ impl Dialect {
         let profile = options.profile.unwrap_or(machine.gcode.profile);
         let linuxcnc = profile == Profile::Linuxcnc;
         let lathe = profile == Profile::Lathe;
-        let seconds = linuxcnc || machine.gcode.dwell_p_unit == DwellUnit::Seconds;
+        let own = &machine.gcode.dialect; // what the machine file settles over the profile
+        let by_profile = if linuxcnc { DwellUnit::Seconds } else { DwellUnit::Milliseconds };
+        let dwell_unit = own.dwell_p_unit.unwrap_or(by_profile);
         Dialect {
-            integer_increment: 0.0,
-            dwell_p: if seconds { 1.0 } else { 1e-3 },
-            arc_centre: ArcCentre::Incremental,
-            macros: true,
-            oword: linuxcnc,
-            vacant_zero: matches!(profile, Profile::Fanuc | Profile::Linuxcnc),
-            diameter: lathe,
+            integer_increment: own.integer_increment.unwrap_or(0.0),
+            dwell_p: if dwell_unit == DwellUnit::Seconds { 1.0 } else { 1e-3 },
+            arc_centre: own.arc_centre.unwrap_or(ArcCentre::Incremental),
+            macros: own.macros.unwrap_or(true),
+            oword: own.oword.unwrap_or(linuxcnc),
+            vacant_zero: own.vacant_zero.unwrap_or(matches!(profile, Profile::Fanuc | Profile::Linuxcnc)),
+            diameter: own.diameter.unwrap_or(lathe),
             lathe,
-            keep_g92: linuxcnc,
-            nested_comments: profile != Profile::Fanuc,
-            uvw_incremental: lathe,
+            keep_g92: own.keep_g92.unwrap_or(linuxcnc),
+            nested_comments: own.nested_comments.unwrap_or(profile != Profile::Fanuc),
+            uvw_incremental: own.uvw_incremental.unwrap_or(lathe),
             look_ahead: machine.gcode.modereg & 1 != 0,
-            peck_clearance: 1.0,
-            strict_m: false,
+            peck_clearance: own.peck_clearance.unwrap_or(1.0),
+            strict_m: own.strict_m.unwrap_or(false),
         }
     }
 }

@@ -23,17 +23,6 @@ pub mod spool {
     pub const WRITE_CD: u16 = 20000;
 }
 
-/// CD that takes S, and CI that takes H.
-const SPEED_CD: u16 = 200;
-const AUXILIARY_CI: u16 = 200;
-
-/// Outputs as bit masks, O1 = bit 0.
-const CLOCKWISE: u32 = 1 << 0;
-const COUNTER_CLOCKWISE: u32 = 1 << 1;
-const FLOOD: u32 = 1 << 2;
-const MIST: u32 = 1 << 3;
-const CLAMP: u32 = 1 << 4;
-
 /// Outputs to be set and reset by one block: one entry each, reset first.
 #[derive(Clone, Copy, Debug, Default)]
 struct Outputs {
@@ -45,6 +34,10 @@ impl Outputs {
     fn put(&mut self, set: u32, reset: u32) {
         self.set = self.set & !reset | set;
         self.reset = self.reset & !set | reset;
+    }
+    /// One direction of the spindle instead of the other; a line that both have does not drop in between.
+    fn turn(&mut self, on: u32, off: u32) {
+        self.put(on, off & !on);
     }
 }
 
@@ -104,7 +97,13 @@ impl Translator<'_> {
         }
         if self.state.modal.speed != Some(word.value) {
             self.state.modal.speed = Some(word.value);
-            self.sink.ssf(self.line, self.first(), spool::WRITE_CD + SPEED_CD, word.value, false);
+            self.sink.ssf(
+                self.line,
+                self.first(),
+                spool::WRITE_CD + self.machine.gcode.speed_cd as u16,
+                word.value,
+                false,
+            );
         }
         Ok(())
     }
@@ -120,7 +119,7 @@ impl Translator<'_> {
         if block.has(b'H') && block.code_of(Group::LengthCorrection).is_none() {
             self.used |= bit(b'H');
             let value = block.value(b'H').unwrap_or(0.0);
-            self.sink.ssf(self.line, self.first(), AUXILIARY_CI, value, false);
+            self.sink.ssf(self.line, self.first(), self.machine.gcode.auxiliary_ci as u16, value, false);
         }
         if let Some(m) = block.m(6) {
             self.tool_change(m.span);
@@ -143,13 +142,14 @@ impl Translator<'_> {
     }
     fn function_before(&mut self, block: &Block, m: u16, span: Span, outputs: &mut Outputs) -> Check<()> {
         let modal = &mut self.state.modal;
+        let lines = self.machine.gcode.outputs;
         match m {
-            3 | 13 => (modal.spindle, _) = (3, outputs.put(CLOCKWISE, COUNTER_CLOCKWISE)),
-            4 | 14 => (modal.spindle, _) = (4, outputs.put(COUNTER_CLOCKWISE, CLOCKWISE)),
-            7 => (modal.coolant[1], _) = (true, outputs.put(MIST, 0)),
-            8 => (modal.coolant[0], _) = (true, outputs.put(FLOOD, 0)),
-            10 => outputs.put(CLAMP, 0),
-            11 => outputs.put(0, CLAMP),
+            3 | 13 => (modal.spindle, _) = (3, outputs.turn(lines.spindle_cw, lines.spindle_ccw)),
+            4 | 14 => (modal.spindle, _) = (4, outputs.turn(lines.spindle_ccw, lines.spindle_cw)),
+            7 => (modal.coolant[1], _) = (true, outputs.put(lines.coolant2, 0)),
+            8 => (modal.coolant[0], _) = (true, outputs.put(lines.coolant1, 0)),
+            10 => outputs.put(lines.clamp, 0),
+            11 => outputs.put(0, lines.clamp),
             19 => {
                 self.used |= mask("SR");
                 let angle = block.value(b'S').or(block.value(b'R')).unwrap_or(0.0);
@@ -165,6 +165,7 @@ impl Translator<'_> {
             62..=65 => self.output(block, m, span, outputs)?,
             66 => self.wait_input(block, span)?,
             0..=2 | 5 | 6 | 9 | 17 | 29 | 30 | 60 | 98 | 99 => {}
+            _ if self.is_user_function(m) => self.user_function(m, outputs),
             _ if self.dialect.strict_m => return Err(Fault::with(Id::GC513, span, &[&m])),
             _ => {
                 self.faults.push(Fault::with(Id::GW930, span, &[&format!("M{m}")]));
@@ -173,9 +174,27 @@ impl Translator<'_> {
         }
         if matches!(m, 13 | 14) {
             self.state.modal.coolant[0] = true;
-            outputs.put(FLOOD, 0);
+            outputs.put(lines.coolant1, 0);
         }
         Ok(())
+    }
+    fn is_user_function(&self, m: u16) -> bool {
+        self.machine.gcode.m_functions.iter().any(|f| f.number == u32::from(m))
+    }
+    /// An M function of the machine file: its outputs with those of the block; a common integer and a wait for
+    /// inputs come after them.
+    fn user_function(&mut self, m: u16, outputs: &mut Outputs) {
+        let machine = self.machine;
+        for function in machine.gcode.m_functions.iter().filter(|f| f.number == u32::from(m)) {
+            outputs.put(function.set, function.reset);
+            if let Some((ci, value)) = function.ci {
+                self.sink.ssf(self.line, self.first(), ci as u16, f64::from(value), false);
+            }
+            if function.wait != 0 {
+                self.put_out(std::mem::take(outputs));
+                self.wait(spool::WAIT_INPUTS, f64::from(function.wait));
+            }
+        }
     }
     /// Number of an output or input, P0..P31.
     fn line_number(&mut self, block: &Block, span: Span) -> Check<u32> {
@@ -269,14 +288,14 @@ impl Translator<'_> {
 
     /// Step 20: M05, M09.
     pub(crate) fn outputs_after(&mut self, block: &Block) -> Check<()> {
-        let mut outputs = Outputs::default();
+        let (mut outputs, lines) = (Outputs::default(), self.machine.gcode.outputs);
         if block.m(5).is_some() {
             self.state.modal.spindle = 5;
-            outputs.put(0, CLOCKWISE | COUNTER_CLOCKWISE);
+            outputs.put(0, lines.spindle_cw | lines.spindle_ccw);
         }
         if block.m(9).is_some() {
             self.state.modal.coolant = [false; 2];
-            outputs.put(0, FLOOD | MIST);
+            outputs.put(0, lines.coolant1 | lines.coolant2);
         }
         self.put_out(outputs);
         Ok(())
@@ -351,7 +370,9 @@ impl Translator<'_> {
     /// Program end: outputs off, everything done, modal reset.
     pub fn end(&mut self, kind: &str) {
         self.sink.stop();
-        self.put_out(Outputs { set: 0, reset: CLOCKWISE | COUNTER_CLOCKWISE | FLOOD | MIST });
+        let lines = self.machine.gcode.outputs;
+        let reset = lines.spindle_cw | lines.spindle_ccw | lines.coolant1 | lines.coolant2;
+        self.put_out(Outputs { set: 0, reset });
         self.sink.event(self.line, kind, "");
         self.sink.instr(self.line, Instr::Drain(self.sink.set()));
         self.sink.instr(self.line, Instr::Halt);
@@ -408,13 +429,16 @@ pub(crate) fn dwell_seconds(dialect: &Dialect, letter: u8, value: f64, integer_f
 impl Translator<'_> {
     /// G86: the spindle stands on the way out.
     pub(crate) fn spindle_stop(&mut self) {
-        self.put_out(Outputs { set: 0, reset: CLOCKWISE | COUNTER_CLOCKWISE });
+        let lines = self.machine.gcode.outputs;
+        self.put_out(Outputs { set: 0, reset: lines.spindle_cw | lines.spindle_ccw });
     }
     pub(crate) fn spindle_again(&mut self) {
+        let (lines, mut outputs) = (self.machine.gcode.outputs, Outputs::default());
         match self.state.modal.spindle {
-            3 => self.put_out(Outputs { set: CLOCKWISE, reset: COUNTER_CLOCKWISE }),
-            4 => self.put_out(Outputs { set: COUNTER_CLOCKWISE, reset: CLOCKWISE }),
+            3 => outputs.turn(lines.spindle_cw, lines.spindle_ccw),
+            4 => outputs.turn(lines.spindle_ccw, lines.spindle_cw),
             _ => {}
         }
+        self.put_out(outputs);
     }
 }

@@ -168,12 +168,14 @@ impl Translator<'_> {
 
     /// G28 and G30: over the given point to the reference position, at rapid speed.
     fn reference(&mut self, block: &Block, g: &GWord) -> Check<()> {
-        if g.code.tenths == 300 {
+        let references = if g.code.tenths == 300 {
             self.used |= bit(b'P');
             let p = block.whole(b'P')?.unwrap_or(2);
-            return Err(Fault::with(Id::GC311, block.word(b'P').map_or(g.span, |w| w.span), &[&p]));
-        }
-        let references: Point = std::array::from_fn(|s| self.group.axes.get(s).map_or(0.0, |a| a.reference));
+            let span = block.word(b'P').map_or(g.span, |w| w.span);
+            self.further_reference(p).ok_or_else(|| Fault::with(Id::GC311, span, &[&p]))?
+        } else {
+            std::array::from_fn(|s| self.group.axes.get(s).map_or(0.0, |a| a.reference))
+        };
         let mut named = (1u32 << self.group.len()) - 1;
         if block.has_any(AXIS_LETTERS) {
             let target = self.target(block)?;
@@ -188,6 +190,12 @@ impl Translator<'_> {
         }
         let program = self.state.frame.to_program(&machine);
         self.line_to(block, &Target { program, machine, named }, true)
+    }
+    /// Reference position 2, 3 or 4 of the machine file.
+    fn further_reference(&self, p: i64) -> Option<Point> {
+        let index = usize::try_from(p.checked_sub(2)?).ok()?;
+        let positions = self.machine.gcode.references.get(index)?.as_ref()?;
+        Some(std::array::from_fn(|s| self.group.axes.get(s).map_or(0.0, |a| positions[a.axis])))
     }
     /// G74: the application's homing routine, in step.
     fn home(&mut self, block: &Block, g: &GWord) -> Check<()> {

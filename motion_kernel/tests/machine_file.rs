@@ -52,6 +52,63 @@ fn each_kind_of_error_has_its_id() {
     assert_eq!(Machine::parse(&[0xff, 0xfe, 0]).expect_err("binary")[0].id, "MC101");
 }
 
+#[test]
+fn lists_of_lines_and_m_functions_are_checked() {
+    let with = |more: &str| findings(&format!("{BUILTIN}\n{more}"))[0].id;
+    assert_eq!(with("[gcode.outputs]\nclamp = [33]"), "MC106");
+    assert_eq!(with("[gcode.outputs]\nclamp = 3"), "MC105");
+    assert_eq!(with("[[gcode.m]]\nset = [3]"), "MC104");
+    assert_eq!(with("[[gcode.m]]\nnumber = 3"), "MC111");
+    assert_eq!(with("[[gcode.m]]\nnumber = 100\n[[gcode.m]]\nnumber = 100"), "MC111");
+    assert_eq!(with("[[gcode.m]]\nnumber = 100\nci = 99"), "MC111");
+    assert_eq!(with("[[gcode.tool]]\nnumber = 7\n[[gcode.tool]]\nnumber = 7"), "MC111");
+    assert_eq!(with("[gcode.dialect]\noword = 1"), "MC105");
+    assert_eq!(with("[gcode.references]\nP5 = { X = 1 }"), "MC103");
+    assert_eq!(with("[gcode.references]\nP2 = { Q = 1 }"), "MC103");
+}
+
+#[test]
+fn a_machine_with_every_option_is_shown_and_read_back() {
+    let more = "[gcode.outputs]\nclamp = []\nspindle_ccw = [1, 32]\n[[gcode.m]]\nnumber = 100\nset = [2]\nci = 5\n\
+        value = -3\n[gcode.references]\nP4 = { Y = 2.5 }\n[gcode.offsets]\nG57 = { Z = 1e-3 }\n[gcode.dialect]\n\
+        dwell_p_unit = \"s\"\narc_centre = \"likeController\"\ninteger_increment = 0.001\nmacros = false\n\
+        oword = true\nvacant_zero = true\ndiameter = true\nuvw_incremental = false\nkeep_g92 = true\n\
+        nested_comments = false\npeck_clearance = 0.5\nstrict_m = true\n[[gcode.tool]]\nnumber = 99\nlength = 80.0\n";
+    let machine = Machine::parse(format!("{BUILTIN}\n{more}").as_bytes()).expect("valid");
+    assert_eq!(machine.gcode.outputs.spindle_ccw, 0x8000_0001);
+    assert_eq!(machine.gcode.references[2], Some(vec![0.0, 2.5, 0.0]));
+    assert_eq!(Machine::parse(machine.show().as_bytes()), Ok(machine));
+}
+
+#[test]
+fn a_file_full_of_errors_is_refused_quickly_with_the_first_hundred() {
+    for (text, id) in [
+        ("[[axis]]\n".repeat(100_000), "MC106"),
+        ("axis = [".to_owned() + &"1,".repeat(400_000) + "]", "MC106"),
+        ("x".repeat(1_000_000) + " = 1", "MC103"),
+        ((0..80_000).map(|n| format!("k{n}=1\n")).collect(), "MC103"),
+        ("a = ".to_owned() + &"[".repeat(500_000), "MC102"),
+        ("a = \"".to_owned() + &"x".repeat(1_000_000), "MC102"),
+    ] {
+        let start = std::time::Instant::now();
+        let list = findings(&text);
+        assert!(list.len() <= 100 && list.iter().any(|d| d.id == id), "{id}: {:?}", &list[..2.min(list.len())]);
+        assert!(list.iter().all(|d| d.message.len() < 1000 && d.hint.len() < 1000));
+        assert!(start.elapsed().as_secs() < 5, "{id} took {:?}", start.elapsed());
+    }
+}
+
+#[test]
+fn nineteen_axes_are_too_many() {
+    let axis = |n: usize| {
+        format!("[[axis]]\nname = \"A{n}\"\nletter = \"\"\ncounts_per_unit = 1\nrapid = 1\nacceleration = 1\n")
+    };
+    let text: String = (0..19).map(axis).collect();
+    assert_eq!(findings(&text).iter().map(|d| d.id).collect::<Vec<_>>(), ["MC109"]);
+    let text: String = (0..18).map(axis).collect();
+    assert_eq!(Machine::parse(text.as_bytes()).expect("18 axes are allowed").axes.len(), 18);
+}
+
 proptest! {
     #[test]
     fn no_bytes_make_the_reader_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {

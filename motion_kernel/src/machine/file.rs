@@ -3,18 +3,18 @@
 
 use toml::de::DeTable;
 
+use super::gcode::gcode_defaults;
 use super::section::{Findings, MachineDiagnostic, Section};
 use super::*;
 use crate::axes::MAX_AXES;
-use crate::registers::ModeReg;
 
 /// The 3-axis mill that is used where no machine file is given; `examples/machines/mill3.toml` itself.
 pub const BUILTIN: &str = include_str!("../../../examples/machines/mill3.toml");
 
 /// Larger files are no machine files.
 const MAX_BYTES: usize = 1 << 20;
-const BIG: f64 = 1e9;
-const TINY: f64 = 1e-9;
+pub(super) const BIG: f64 = 1e9;
+pub(super) const TINY: f64 = 1e-9;
 
 impl Machine {
     /// Reads a machine file and checks all of it.
@@ -47,7 +47,7 @@ impl Machine {
     }
 }
 
-fn machine(file: Section<'_, '_>) -> Machine {
+pub(super) fn machine(file: Section<'_, '_>) -> Machine {
     let axes: Vec<Axis> = file.sections("axis").into_iter().map(axis).collect();
     check_axes(&file, &axes);
     let controller = file.section("controller").map_or_else(Controller::default, controller);
@@ -120,18 +120,18 @@ fn axis(section: Section<'_, '_>) -> Axis {
         counts_per_unit: section.required("counts_per_unit", &format!("counts/{unit}"), TINY..=BIG),
         rapid,
         acceleration,
-        jog_velocity: section.number("jog_velocity", "unit/s", TINY..=BIG, rapid / 4.0),
-        jog_acceleration: section.number("jog_acceleration", "unit/s2", TINY..=BIG, acceleration),
-        stop_deceleration: section.number("stop_deceleration", "unit/s2", TINY..=BIG, acceleration),
-        mdvel: section.number("mdvel", "unit/s", 0.0..=BIG, 0.0),
-        maxvel: section.number("maxvel", "unit/s", 0.0..=BIG, 0.0),
-        maxacc: section.number("maxacc", "unit/s2", 0.0..=BIG, 0.0),
+        jog_velocity: section.number("jog_velocity", &format!("{unit}/s"), TINY..=BIG, rapid / 4.0),
+        jog_acceleration: section.number("jog_acceleration", &format!("{unit}/s2"), TINY..=BIG, acceleration),
+        stop_deceleration: section.number("stop_deceleration", &format!("{unit}/s2"), TINY..=BIG, acceleration),
+        mdvel: section.number("mdvel", &format!("{unit}/s"), 0.0..=BIG, 0.0),
+        maxvel: section.number("maxvel", &format!("{unit}/s"), 0.0..=BIG, 0.0),
+        maxacc: section.number("maxacc", &format!("{unit}/s2"), 0.0..=BIG, 0.0),
         jerkrel: section.number("jerkrel", "", 0.0..=1.0, 1.0),
         mpe: section.number("mpe", unit, TINY..=BIG, 1.0),
         ipw: section.number("ipw", unit, 0.0..=BIG, 0.01),
         limits: limits(&section, unit),
         pidf: section.section("pidf").map_or_else(PidfGains::default, pidf),
-        plant: section.section("plant").map_or(Plant::for_rapid(rapid), |s| plant(s, rapid)),
+        plant: section.section("plant").map_or(Plant::for_rapid(rapid), |s| plant(s, rapid, unit)),
         effradius: section.number("effradius", "mm", TINY..=BIG, 180.0 / std::f64::consts::PI),
         start: section.number("start", unit, -BIG..=BIG, 0.0),
         reference: section.number("reference", unit, -BIG..=BIG, 0.0),
@@ -149,9 +149,6 @@ pub(super) const LIMIT_FUNCTIONS: [(&str, LimitFunction); 4] = [
     ("SMA", LimitFunction::Sma),
     ("SMD", LimitFunction::Smd),
 ];
-pub(super) const PROFILES: [(&str, Profile); 4] =
-    [("din", Profile::Din), ("fanuc", Profile::Fanuc), ("linuxcnc", Profile::Linuxcnc), ("lathe", Profile::Lathe)];
-pub(super) const DWELL_UNITS: [(&str, DwellUnit); 2] = [("ms", DwellUnit::Milliseconds), ("s", DwellUnit::Seconds)];
 /// Address letters of part programs that may name an axis (din66025.md section 4).
 pub const AXIS_LETTERS: &str = "XYZABCUVW";
 
@@ -203,111 +200,13 @@ impl Plant {
     }
 }
 
-fn plant(section: Section<'_, '_>, rapid: f64) -> Plant {
+fn plant(section: Section<'_, '_>, rapid: f64, unit: &str) -> Plant {
     let default = Plant::for_rapid(rapid);
     let plant = Plant {
         lag_s: section.number("lag_s", "s", 0.0..=10.0, default.lag_s),
-        full_speed: section.number("full_speed", "unit/s", TINY..=BIG, default.full_speed),
-        backlash: section.number("backlash", "unit", 0.0..=BIG, 0.0),
+        full_speed: section.number("full_speed", &format!("{unit}/s"), TINY..=BIG, default.full_speed),
+        backlash: section.number("backlash", unit, 0.0..=BIG, 0.0),
     };
     section.done();
     plant
-}
-
-impl GcodeDefaults {
-    /// Design D19: what a G-code run starts with where the file says nothing.
-    pub(super) fn for_axes(axes: usize) -> Self {
-        let bits = ModeReg::LookAhead
-            | ModeReg::ChkMaxVel
-            | ModeReg::ExactTargetPos
-            | ModeReg::RotatoricUnit
-            | ModeReg::JSatSAF;
-        GcodeDefaults {
-            modereg: bits.0,
-            trovrst_s: 0.5,
-            feed_limit: 100.0,
-            trac_feed: 1000.0,
-            trac_rapid: 1000.0,
-            start_fill: 200,
-            merge_tolerance: 0.001,
-            tools: (1..=50).map(|number| Tool { number, length: 0.0, radius: 0.0 }).collect(),
-            offsets: std::array::from_fn(|_| vec![0.0; axes]),
-            dwell_p_unit: DwellUnit::Milliseconds,
-            profile: Profile::Din,
-        }
-    }
-}
-
-fn gcode_defaults(section: Section<'_, '_>, axes: &[Axis]) -> GcodeDefaults {
-    let default = GcodeDefaults::for_axes(axes.len());
-    let profile = section.word("profile", &PROFILES, default.profile);
-    let dwell = if profile == Profile::Linuxcnc { DwellUnit::Seconds } else { DwellUnit::Milliseconds };
-    let gcode = GcodeDefaults {
-        modereg: modereg(&section).unwrap_or(default.modereg),
-        trovrst_s: section.number("trovrst_s", "s", 0.0..=1000.0, default.trovrst_s),
-        feed_limit: section.number("feed_limit", "mm/s", TINY..=BIG, default.feed_limit),
-        trac_feed: section.number("trac_feed", "mm/s2", TINY..=BIG, default.trac_feed),
-        trac_rapid: section.number("trac_rapid", "mm/s2", TINY..=BIG, default.trac_rapid),
-        start_fill: section.integer("start_fill", 1..=1_000_000, default.start_fill),
-        merge_tolerance: section.number("merge_tolerance", "mm", 0.0..=1.0, default.merge_tolerance),
-        tools: tools(&section, default.tools),
-        offsets: offsets(&section, axes),
-        dwell_p_unit: section.word("dwell_p_unit", &DWELL_UNITS, dwell),
-        profile,
-    };
-    section.done();
-    gcode
-}
-
-fn modereg(section: &Section<'_, '_>) -> Option<u32> {
-    let mut bits = ModeReg::default();
-    for (name, span) in section.texts("modereg")? {
-        match ModeReg::by_name(name) {
-            Some(bit) => bits.set(bit),
-            None => {
-                let known: Vec<&str> = ModeReg::ALL.iter().map(|(_, name, _)| *name).collect();
-                let hint = super::section::nearest(name, &known).map(|n| format!("did you mean {n}?"));
-                section.finding_at(span, "MC107", &format!("MODEREG has no bit '{name}'"), hint);
-            }
-        }
-    }
-    Some(bits.0)
-}
-
-fn tools(section: &Section<'_, '_>, default: Vec<Tool>) -> Vec<Tool> {
-    let mut tools = default;
-    for entry in section.sections("tool") {
-        let number = entry.integer("number", 1..=99_999_999, 0);
-        let tool = Tool {
-            number,
-            length: entry.number("length", "mm", -BIG..=BIG, 0.0),
-            radius: entry.number("radius", "mm", 0.0..=BIG, 0.0),
-        };
-        if number == 0 {
-            entry.finding("number", "MC104", "a tool needs its number");
-        }
-        entry.done();
-        tools.retain(|t| t.number != number);
-        tools.push(tool);
-    }
-    tools.sort_by_key(|t| t.number);
-    tools
-}
-
-fn offsets(section: &Section<'_, '_>, axes: &[Axis]) -> [Vec<f64>; 6] {
-    const NAMES: [&str; 6] = ["G54", "G55", "G56", "G57", "G58", "G59"];
-    let mut offsets: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; axes.len()]);
-    let Some(table) = section.section("offsets") else { return offsets };
-    for (set, name) in offsets.iter_mut().zip(NAMES) {
-        let Some(entry) = table.section(name) else { continue };
-        for (axis, value, span) in entry.numbers() {
-            match axes.iter().position(|a| a.name == axis) {
-                Some(index) if value.abs() <= BIG => set[index] = value,
-                Some(_) => entry.finding_at(span, "MC106", "offset too large", None),
-                None => entry.finding_at(span, "MC103", &format!("there is no axis {axis}"), None),
-            }
-        }
-    }
-    table.done();
-    offsets
 }

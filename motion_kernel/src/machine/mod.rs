@@ -3,10 +3,15 @@
 use crate::axes::AxisSet;
 
 mod file;
+mod gcode;
+mod reference;
+
 mod section;
 mod show;
 
 pub use file::{AXIS_LETTERS, BUILTIN};
+pub use gcode::has_fixed_meaning;
+pub use reference::machine_reference;
 pub use section::{MC_IDS, MachineDiagnostic, nearest};
 
 /// A machine as the kernel and the compilers see it. Lengths in mm, rotary positions in degrees,
@@ -140,9 +145,78 @@ pub struct GcodeDefaults {
     pub tools: Vec<Tool>,
     /// Work offsets G54..G59 per axis, in the order of the axes.
     pub offsets: [Vec<f64>; 6],
-    pub dwell_p_unit: DwellUnit,
-    /// Commanded at once where no dialect is chosen per program.
+    /// Positions 2, 3, 4 of G30 per axis; those not configured are unknown to programs (GC311).
+    pub references: [Option<Vec<f64>>; 3],
+    /// The dialect where none is chosen per program, and what differs from it on this machine.
     pub profile: Profile,
+    pub dialect: DialectOptions,
+    pub outputs: OutputMasks,
+    /// M functions that the dialect leaves to the machine (din66025.md section 16).
+    pub m_functions: Vec<MFunction>,
+    /// Common double that takes S, common integer that takes H.
+    pub speed_cd: u32,
+    pub auxiliary_ci: u32,
+}
+
+/// What a machine settles over the dialect profile (din66025.md section 20); None = as the profile says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DialectOptions {
+    /// Unit of P in a dwell.
+    pub dwell_p_unit: Option<DwellUnit>,
+    pub arc_centre: Option<ArcCentre>,
+    /// Value of one increment, in the unit of the program, for numbers without a point; 0 = they are units.
+    pub integer_increment: Option<f64>,
+    pub macros: Option<bool>,
+    pub oword: Option<bool>,
+    pub vacant_zero: Option<bool>,
+    /// X words are diameters.
+    pub diameter: Option<bool>,
+    /// U V W are incremental X Y Z where no such axes are.
+    pub uvw_incremental: Option<bool>,
+    pub keep_g92: Option<bool>,
+    pub nested_comments: Option<bool>,
+    /// Clearance above the last depth of a peck cycle, mm.
+    pub peck_clearance: Option<f64>,
+    /// An M function without assignment is an error (GC513).
+    pub strict_m: Option<bool>,
+}
+
+/// Meaning of I J K without G90.1 or G91.1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArcCentre {
+    Incremental,
+    Absolute,
+    /// MODEREG bit 12 set: incremental; clear: absolute under G90.
+    LikeController,
+}
+
+/// Digital outputs of the standard M functions, as bit masks (O1 = bit 0).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutputMasks {
+    pub spindle_cw: u32,
+    pub spindle_ccw: u32,
+    /// M08.
+    pub coolant1: u32,
+    /// M07.
+    pub coolant2: u32,
+    pub clamp: u32,
+}
+
+impl Default for OutputMasks {
+    fn default() -> Self {
+        OutputMasks { spindle_cw: 1, spindle_ccw: 1 << 1, coolant1: 1 << 2, coolant2: 1 << 3, clamp: 1 << 4 }
+    }
+}
+
+/// A user M function: outputs reset and set, a common integer written, then inputs waited for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MFunction {
+    pub number: u32,
+    pub set: u32,
+    pub reset: u32,
+    /// Inputs that must be active before motion goes on; 0 = no wait.
+    pub wait: u32,
+    pub ci: Option<(u32, i32)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

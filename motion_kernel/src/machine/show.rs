@@ -2,7 +2,8 @@
 
 use std::fmt::{Display, Write};
 
-use super::file::{DRIVES, DWELL_UNITS, KINDS, LIMIT_FUNCTIONS, PROFILES};
+use super::file::{DRIVES, KINDS, LIMIT_FUNCTIONS};
+use super::gcode::{ARC_CENTRES, DWELL_UNITS, PROFILES};
 use super::*;
 use crate::registers::ModeReg;
 
@@ -28,6 +29,12 @@ fn number(value: f64) -> String {
 
 fn word<T: PartialEq>(words: &[(&'static str, T)], meaning: &T) -> &'static str {
     words.iter().find(|(_, m)| m == meaning).map_or("", |(word, _)| word)
+}
+
+/// A bit mask as the list of its lines 1 to 32.
+fn lines(mask: u32) -> String {
+    let list: Vec<String> = (0..32).filter(|n| mask >> n & 1 == 1).map(|n| (n + 1).to_string()).collect();
+    format!("[{}]", list.join(", "))
 }
 
 impl Out {
@@ -104,7 +111,11 @@ impl Out {
         self.value("trac_rapid", number(g.trac_rapid));
         self.value("start_fill", g.start_fill);
         self.value("merge_tolerance", number(g.merge_tolerance));
-        self.text("dwell_p_unit", word(&DWELL_UNITS, &g.dwell_p_unit));
+        self.value("speed_cd", g.speed_cd);
+        self.value("auxiliary_ci", g.auxiliary_ci);
+        self.dialect(&g.dialect);
+        self.outputs(&g.outputs);
+        g.m_functions.iter().for_each(|m| self.m_function(m));
         for tool in g.tools.iter().filter(|t| t.number > 50 || t.length != 0.0 || t.radius != 0.0) {
             self.line("\n[[gcode.tool]]");
             self.value("number", tool.number);
@@ -113,8 +124,68 @@ impl Out {
         }
         self.line("\n[gcode.offsets]");
         for (set, code) in g.offsets.iter().zip(54..) {
-            let list: Vec<String> = axes.iter().zip(set).map(|(a, v)| format!("{} = {v:?}", a.name)).collect();
-            self.value(&format!("G{code}"), format_args!("{{ {} }}", list.join(", ")));
+            self.per_axis(&format!("G{code}"), axes, set);
+        }
+        self.line("\n[gcode.references]");
+        for (set, p) in g.references.iter().zip(2..) {
+            if let Some(set) = set {
+                self.per_axis(&format!("P{p}"), axes, set);
+            }
+        }
+    }
+    fn per_axis(&mut self, key: &str, axes: &[Axis], values: &[f64]) {
+        let list: Vec<String> = axes.iter().zip(values).map(|(a, v)| format!("{} = {v:?}", a.name)).collect();
+        self.value(key, format_args!("{{ {} }}", list.join(", ")));
+    }
+    /// A key of the dialect; what the profile settles stands as a comment.
+    fn option<T>(&mut self, key: &str, value: &Option<T>, text: impl Fn(&T) -> String) {
+        match value {
+            Some(value) => self.value(key, text(value)),
+            None => self.line(format_args!("# {key}: as the profile")),
+        }
+    }
+    fn dialect(&mut self, d: &DialectOptions) {
+        self.line("\n[gcode.dialect]");
+        self.option("dwell_p_unit", &d.dwell_p_unit, |unit| format!("\"{}\"", word(&DWELL_UNITS, unit)));
+        self.option("arc_centre", &d.arc_centre, |centre| format!("\"{}\"", word(&ARC_CENTRES, centre)));
+        self.option("integer_increment", &d.integer_increment, |value| number(*value));
+        self.option("peck_clearance", &d.peck_clearance, |value| number(*value));
+        let flags = [
+            ("macros", d.macros),
+            ("oword", d.oword),
+            ("vacant_zero", d.vacant_zero),
+            ("diameter", d.diameter),
+            ("uvw_incremental", d.uvw_incremental),
+            ("keep_g92", d.keep_g92),
+            ("nested_comments", d.nested_comments),
+            ("strict_m", d.strict_m),
+        ];
+        for (key, flag) in flags {
+            self.option(key, &flag, bool::to_string);
+        }
+    }
+    fn outputs(&mut self, o: &OutputMasks) {
+        self.line("\n[gcode.outputs]");
+        let masks = [
+            ("spindle_cw", o.spindle_cw),
+            ("spindle_ccw", o.spindle_ccw),
+            ("coolant1", o.coolant1),
+            ("coolant2", o.coolant2),
+            ("clamp", o.clamp),
+        ];
+        for (key, mask) in masks {
+            self.value(key, lines(mask));
+        }
+    }
+    fn m_function(&mut self, m: &MFunction) {
+        self.line("\n[[gcode.m]]");
+        self.value("number", m.number);
+        for (key, mask) in [("set", m.set), ("reset", m.reset), ("wait", m.wait)] {
+            self.value(key, lines(mask));
+        }
+        if let Some((ci, value)) = m.ci {
+            self.value("ci", ci);
+            self.value("value", value);
         }
     }
 }

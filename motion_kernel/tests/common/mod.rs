@@ -46,7 +46,6 @@ fn axis(name: char, kind: AxisKind) -> Axis {
 pub fn machine(letters: &str) -> Machine {
     let kind = |c: char| if "ABC".contains(c) { AxisKind::Rotary } else { AxisKind::Linear };
     let axes: Vec<Axis> = letters.chars().map(|c| axis(c, kind(c))).collect();
-    let zeros = vec![0.0; axes.len()];
     Machine {
         name: "test".into(),
         axes,
@@ -58,17 +57,11 @@ pub fn machine(letters: &str) -> Machine {
             lookahead_depth: 0,
         },
         gcode: GcodeDefaults {
-            modereg: 1 | 1 << 7 | 1 << 8 | 1 << 10 | 1 << 28,
-            trovrst_s: 0.5,
-            feed_limit: 100.0,
             trac_feed: 500.0,
             trac_rapid: 500.0,
             start_fill: 100,
-            merge_tolerance: 0.001,
             tools: vec![],
-            offsets: std::array::from_fn(|_| zeros.clone()),
-            dwell_p_unit: DwellUnit::Milliseconds,
-            profile: Profile::Din,
+            ..GcodeDefaults::for_axes(letters.len())
         },
         tolerance_mm: 0.05,
     }

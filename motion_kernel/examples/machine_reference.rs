@@ -1,0 +1,5 @@
+//! Writes `docs/machine-file.md`.
+
+fn main() {
+    print!("{}", motion_kernel::machine::machine_reference());
+}

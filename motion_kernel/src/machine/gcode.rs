@@ -1,0 +1,220 @@
+//! The part of a machine file that stands for part programs: what a G-code run starts with (design D19), tools,
+//! offsets, and what the machine settles about the dialect (din66025.md sections 16 and 20).
+
+use super::file::{BIG, TINY};
+use super::section::Section;
+use super::*;
+use crate::registers::ModeReg;
+
+pub(super) const PROFILES: [(&str, Profile); 4] =
+    [("din", Profile::Din), ("fanuc", Profile::Fanuc), ("linuxcnc", Profile::Linuxcnc), ("lathe", Profile::Lathe)];
+pub(super) const ARC_CENTRES: [(&str, ArcCentre); 3] = [
+    ("incremental", ArcCentre::Incremental),
+    ("absolute", ArcCentre::Absolute),
+    ("likeController", ArcCentre::LikeController),
+];
+pub(super) const DWELL_UNITS: [(&str, DwellUnit); 2] = [("ms", DwellUnit::Milliseconds), ("s", DwellUnit::Seconds)];
+
+impl GcodeDefaults {
+    /// Design D19: what a G-code run starts with where the file says nothing.
+    pub fn for_axes(axes: usize) -> Self {
+        let bits = ModeReg::LookAhead
+            | ModeReg::ChkMaxVel
+            | ModeReg::ExactTargetPos
+            | ModeReg::RotatoricUnit
+            | ModeReg::JSatSAF;
+        GcodeDefaults {
+            modereg: bits.0,
+            trovrst_s: 0.5,
+            feed_limit: 100.0,
+            trac_feed: 1000.0,
+            trac_rapid: 1000.0,
+            start_fill: 200,
+            merge_tolerance: 0.001,
+            tools: (1..=50).map(|number| Tool { number, length: 0.0, radius: 0.0 }).collect(),
+            offsets: std::array::from_fn(|_| vec![0.0; axes]),
+            references: [None, None, None],
+            profile: Profile::Din,
+            dialect: DialectOptions::default(),
+            outputs: OutputMasks::default(),
+            m_functions: Vec::new(),
+            speed_cd: 200,
+            auxiliary_ci: 200,
+        }
+    }
+}
+
+pub(super) fn gcode_defaults(section: Section<'_, '_>, axes: &[Axis]) -> GcodeDefaults {
+    let default = GcodeDefaults::for_axes(axes.len());
+    let gcode = GcodeDefaults {
+        modereg: modereg(&section).unwrap_or(default.modereg),
+        trovrst_s: section.number("trovrst_s", "s", 0.0..=1000.0, default.trovrst_s),
+        feed_limit: section.number("feed_limit", "mm/s", TINY..=BIG, default.feed_limit),
+        trac_feed: section.number("trac_feed", "mm/s2", TINY..=BIG, default.trac_feed),
+        trac_rapid: section.number("trac_rapid", "mm/s2", TINY..=BIG, default.trac_rapid),
+        start_fill: section.integer("start_fill", 1..=1_000_000, default.start_fill),
+        merge_tolerance: section.number("merge_tolerance", "mm", 0.0..=1.0, default.merge_tolerance),
+        tools: tools(&section, default.tools),
+        offsets: offsets(&section, axes),
+        references: references(&section, axes),
+        profile: section.word("profile", &PROFILES, default.profile),
+        dialect: section.section("dialect").map_or_else(DialectOptions::default, dialect),
+        outputs: section.section("outputs").map_or_else(OutputMasks::default, outputs),
+        m_functions: m_functions(&section),
+        speed_cd: section.integer("speed_cd", 0..=999, default.speed_cd),
+        auxiliary_ci: common_integer(&section, "auxiliary_ci").unwrap_or(default.auxiliary_ci),
+    };
+    section.done();
+    gcode
+}
+
+fn modereg(section: &Section<'_, '_>) -> Option<u32> {
+    let mut bits = ModeReg::default();
+    for (name, span) in section.texts("modereg")? {
+        match ModeReg::by_name(name) {
+            Some(bit) => bits.set(bit),
+            None => {
+                let known: Vec<&str> = ModeReg::ALL.iter().map(|(_, name, _)| *name).collect();
+                let hint = super::section::nearest(name, &known).map(|n| format!("did you mean {n}?"));
+                section.finding_at(span, "MC107", &format!("MODEREG has no bit '{name}'"), hint);
+            }
+        }
+    }
+    Some(bits.0)
+}
+
+fn tools(section: &Section<'_, '_>, default: Vec<Tool>) -> Vec<Tool> {
+    let mut tools = default;
+    let mut given = std::collections::BTreeSet::new();
+    for entry in section.sections("tool") {
+        let number = entry.required_integer("number", 1..=99_999_999);
+        let tool = Tool {
+            number: number.unwrap_or(0),
+            length: entry.number("length", "mm", -BIG..=BIG, 0.0),
+            radius: entry.number("radius", "mm", 0.0..=BIG, 0.0),
+        };
+        if number.is_some_and(|n| !given.insert(n)) {
+            entry.finding("number", "MC111", "this tool stands twice");
+        }
+        entry.done();
+        tools.push(tool);
+    }
+    tools.sort_by_key(|t| t.number); // stable: the last one given for a number counts
+    tools.reverse();
+    tools.dedup_by_key(|t| t.number);
+    tools.reverse();
+    tools
+}
+
+/// Values per axis name in the order of the axes; axes not named keep the value of `default`.
+fn per_axis(section: &Section<'_, '_>, axes: &[Axis], default: impl Fn(&Axis) -> f64) -> Vec<f64> {
+    let mut values: Vec<f64> = axes.iter().map(default).collect();
+    for (axis, value, span) in section.numbers() {
+        match axes.iter().position(|a| a.name == axis) {
+            Some(index) if value.abs() <= BIG => values[index] = value,
+            Some(_) => section.finding_at(span, "MC106", &format!("{axis}: position too large"), None),
+            None => section.finding_at(span, "MC103", &format!("there is no axis {axis}"), None),
+        }
+    }
+    values
+}
+
+fn offsets(section: &Section<'_, '_>, axes: &[Axis]) -> [Vec<f64>; 6] {
+    let table = section.section("offsets");
+    let sets = ["G54", "G55", "G56", "G57", "G58", "G59"].map(|name| {
+        let entry = table.as_ref().and_then(|table| table.section(name));
+        entry.map_or_else(|| vec![0.0; axes.len()], |entry| per_axis(&entry, axes, |_| 0.0))
+    });
+    table.into_iter().for_each(Section::done);
+    sets
+}
+
+fn references(section: &Section<'_, '_>, axes: &[Axis]) -> [Option<Vec<f64>>; 3] {
+    let table = section.section("references");
+    let sets = ["P2", "P3", "P4"].map(|name| {
+        let entry = table.as_ref().and_then(|table| table.section(name));
+        entry.map(|entry| per_axis(&entry, axes, |axis| axis.reference))
+    });
+    table.into_iter().for_each(Section::done);
+    sets
+}
+
+fn dialect(section: Section<'_, '_>) -> DialectOptions {
+    let options = DialectOptions {
+        dwell_p_unit: section.word_if_given("dwell_p_unit", &DWELL_UNITS),
+        arc_centre: section.word_if_given("arc_centre", &ARC_CENTRES),
+        integer_increment: section.number_if_given("integer_increment", "unit", 0.0..=1.0),
+        macros: section.flag("macros"),
+        oword: section.flag("oword"),
+        vacant_zero: section.flag("vacant_zero"),
+        diameter: section.flag("diameter"),
+        uvw_incremental: section.flag("uvw_incremental"),
+        keep_g92: section.flag("keep_g92"),
+        nested_comments: section.flag("nested_comments"),
+        peck_clearance: section.number_if_given("peck_clearance", "mm", 0.0..=100.0),
+        strict_m: section.flag("strict_m"),
+    };
+    section.done();
+    options
+}
+
+/// Lines 1 to 32 as a bit mask.
+fn lines(section: &Section<'_, '_>, key: &'static str, default: u32) -> u32 {
+    section.integers(key, 1..=32).map_or(default, |list| list.iter().fold(0, |mask, n| mask | 1 << (n - 1)))
+}
+
+fn outputs(section: Section<'_, '_>) -> OutputMasks {
+    let default = OutputMasks::default();
+    let masks = OutputMasks {
+        spindle_cw: lines(&section, "spindle_cw", default.spindle_cw),
+        spindle_ccw: lines(&section, "spindle_ccw", default.spindle_ccw),
+        coolant1: lines(&section, "coolant1", default.coolant1),
+        coolant2: lines(&section, "coolant2", default.coolant2),
+        clamp: lines(&section, "clamp", default.clamp),
+    };
+    section.done();
+    masks
+}
+
+/// M functions with a meaning of their own in every dialect.
+pub fn has_fixed_meaning(m: u32) -> bool {
+    matches!(m, 0..=11 | 13..=17 | 19 | 29..=31 | 36..=49 | 60 | 62..=66 | 98 | 99)
+}
+
+fn m_functions(section: &Section<'_, '_>) -> Vec<MFunction> {
+    let mut functions: Vec<MFunction> = Vec::new();
+    for entry in section.sections("m") {
+        let number = entry.required_integer("number", 0..=999);
+        if number.is_some_and(|m| has_fixed_meaning(m) || functions.iter().any(|f| f.number == m)) {
+            entry.finding("number", "MC111", "this M function has its meaning already");
+        }
+        let function = MFunction {
+            number: number.unwrap_or(0),
+            set: lines(&entry, "set", 0),
+            reset: lines(&entry, "reset", 0),
+            wait: lines(&entry, "wait", 0),
+            ci: m_integer(&entry),
+        };
+        entry.done();
+        functions.push(function);
+    }
+    functions
+}
+
+/// The common integer that an M function writes, and the value.
+fn m_integer(entry: &Section<'_, '_>) -> Option<(u32, i32)> {
+    let value = entry.number("value", "", f64::from(i32::MIN)..=f64::from(i32::MAX), 1.0);
+    if value.fract() != 0.0 {
+        entry.finding("value", "MC105", "a whole number expected");
+    }
+    Some((common_integer(entry, "ci")?, value as i32))
+}
+
+/// A common integer that is free for use: CI99 belongs to the waits (4.4.123).
+fn common_integer(section: &Section<'_, '_>, key: &'static str) -> Option<u32> {
+    let number = section.integer_if_given(key, 0..=999)?;
+    if number == crate::mcu::WAIT_CI as u32 {
+        section.finding(key, "MC111", "CI99 is reserved for the waits of the spooler");
+    }
+    Some(number)
+}

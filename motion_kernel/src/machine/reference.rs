@@ -1,0 +1,234 @@
+//! The reference page of the machine file (`docs/machine-file.md`): kinds, ranges and defaults come from the reader
+//! itself, which notes every key it asks for; here stand only the explanations.
+
+use std::fmt::Write;
+
+use toml::de::DeTable;
+
+use super::file::machine;
+use super::section::{Findings, Key, MC_IDS, Section};
+
+/// A file that has every table once, so that the reader asks for every key.
+const EVERY_TABLE: &str = "
+controller = {}
+[[axis]]
+name = 'X'
+rapid = 200.0
+acceleration = 1000.0
+counts_per_unit = 1e4
+limits = { left = -1.0, right = 1.0 }
+pidf = {}
+plant = {}
+[gcode]
+dialect = {}
+outputs = {}
+tool = [{ number = 1 }]
+m = [{ number = 100 }]
+offsets = {}
+references = {}
+";
+
+/// Key, what it means, and the default where it is no constant (empty: as the reader says).
+const TEXTS: &[(&str, &str, &str)] = &[
+    ("name", "Name of the machine, shown in reports.", "machine"),
+    ("tolerance_mm", "Verdict of a run: largest deviation of the load side from the programmed contour.", ""),
+    ("controller.sample_ticks", "Sample time TA in units of 64 us (2.1.2.3); 20 = 1.28 ms.", ""),
+    ("controller.spool_memory_bytes", "Spool memory of each axis (2.2.8).", ""),
+    ("controller.direct_latency", "Samples from a direct command to its effect (design D2).", ""),
+    ("controller.statements_per_sample", "Statements of a CNC task in one sample (design D4).", ""),
+    ("controller.lookahead_depth", "Entries that the look-ahead considers; 0 = all that are spooled.", ""),
+    ("axis.name", "1 to 8 letters, digits or _, a letter first; unique.", "required"),
+    (
+        "axis.letter",
+        "Address in part programs, one of X Y Z A B C U V W; \"\" = not for part programs.",
+        "the name, if it is one letter",
+    ),
+    ("axis.kind", "linear: positions in mm; rotary: in degrees.", ""),
+    ("axis.drive", "servo: closed loop over the motor command; stepper: whole steps.", ""),
+    ("axis.counts_per_unit", "Encoder counts (stepper: steps) per mm or degree.", ""),
+    ("axis.rapid", "Speed of the axis under G00.", ""),
+    ("axis.acceleration", "What the axis can do; default of the values below.", ""),
+    ("axis.jog_velocity", "Jog velocity jvl.", "rapid / 4"),
+    ("axis.jog_acceleration", "Jog acceleration jac.", "acceleration"),
+    ("axis.stop_deceleration", "Stop deceleration sdec: `js`, software limits with SMD (4.4.168).", "acceleration"),
+    ("axis.mdvel", "Largest velocity step at a corner (4.4.163); 0 = not watched.", ""),
+    ("axis.maxvel", "Velocity limit of ChkMaxVel (4.4.161); 0 = not watched.", ""),
+    ("axis.maxacc", "Acceleration limit of ChkMaxVel and of arcs (4.4.160); 0 = not watched.", ""),
+    ("axis.jerkrel", "Share of S ramps: 0 trapezoid, 1 fully rounded (4.4.76).", ""),
+    ("axis.mpe", "Following error limit (4.4.165).", ""),
+    ("axis.ipw", "In-position window (4.4.149); 0 = never in position.", ""),
+    (
+        "axis.effradius",
+        "Radius at which a rotary axis counts for path length and feed (2.3.4).",
+        "180 / pi: 1 mm a degree",
+    ),
+    ("axis.start", "Position of the axis when a run begins.", ""),
+    ("axis.reference", "Reference position of G28, machine coordinate.", ""),
+    ("axis.limits.left", "Left software limit sll (2.4).", ""),
+    ("axis.limits.right", "Right software limit slr; right of the left one.", ""),
+    ("axis.limits.function", "What happens there: TOM motor off, SMA abrupt stop, SMD braking with sdec.", ""),
+    ("axis.pidf.kp", "Proportional gain, digits per count (2.1.2.1; 32767 digits = 10 V).", ""),
+    ("axis.pidf.ki", "Integral coefficient KP / TN, digits per count and second.", ""),
+    ("axis.pidf.kd", "Derivative coefficient KP * TV, digits per count/s.", ""),
+    ("axis.pidf.kpl", "Shortens the lag of the filter to (1 - kpl) * TA / 2 (2.1.2.2); not above 0.95.", ""),
+    ("axis.pidf.kfcv", "Feed-forward of velocity, digits per count/s.", ""),
+    ("axis.pidf.kfca", "Feed-forward of acceleration, digits per count/s2.", ""),
+    ("axis.plant.lag_s", "First-order lag of the velocity-controlled drive.", ""),
+    ("axis.plant.full_speed", "Axis velocity at 10 V.", "1.25 * rapid"),
+    ("axis.plant.backlash", "Play between motor (encoder) and load.", ""),
+    (
+        "gcode.modereg",
+        "MODEREG bits by name (6.3.1.5, table 36).",
+        "LookAhead, ChkMaxVel, ExactTargetPos, RotatoricUnit, JSatSAF",
+    ),
+    ("gcode.trovrst_s", "Time for an override change of 1.0 (TROVRST); 0 = at once.", ""),
+    ("gcode.feed_limit", "Highest path feed.", ""),
+    ("gcode.trac_feed", "Path acceleration of feed moves.", ""),
+    ("gcode.trac_rapid", "Path acceleration of rapid moves.", ""),
+    ("gcode.start_fill", "Entries that are spooled before motion starts.", ""),
+    ("gcode.merge_tolerance", "Chord tolerance for merging very short blocks (G64 P).", ""),
+    ("gcode.tool.number", "Tool or offset number; tools 1 to 50 exist with length and radius 0.", ""),
+    ("gcode.tool.length", "Length correction of G43 H.", ""),
+    ("gcode.tool.radius", "Radius correction of G41, G42 D.", ""),
+    ("gcode.profile", "Dialect where none is chosen per program (din66025.md section 20).", ""),
+    ("gcode.dialect.dwell_p_unit", "Unit of P in G04.", "s in linuxcnc, else ms"),
+    (
+        "gcode.dialect.arc_centre",
+        "Meaning of I J K without G90.1, G91.1; likeController: by MODEREG CenterAlwaysRel.",
+        "incremental",
+    ),
+    ("gcode.dialect.integer_increment", "Value of one increment for numbers without a point; 0 = they are units.", "0"),
+    ("gcode.dialect.macros", "Statements: IF, WHILE, GOTO, assignments.", "true"),
+    ("gcode.dialect.oword", "O-word control flow.", "true in linuxcnc, else false"),
+    ("gcode.dialect.vacant_zero", "Variables never set read as 0.", "true in fanuc and linuxcnc, else false"),
+    ("gcode.dialect.diameter", "X words are diameters.", "true in lathe, else false"),
+    (
+        "gcode.dialect.uvw_incremental",
+        "U V W are incremental X Y Z where no such axes are.",
+        "true in lathe, else false",
+    ),
+    ("gcode.dialect.keep_g92", "G92 survives the program end.", "true in linuxcnc, else false"),
+    ("gcode.dialect.nested_comments", "Parentheses inside a comment are counted.", "false in fanuc, else true"),
+    ("gcode.dialect.peck_clearance", "Clearance above the last depth in peck drilling.", "1"),
+    ("gcode.dialect.strict_m", "An M function without assignment is an error (GC513), not a warning.", "false"),
+    ("gcode.outputs.spindle_cw", "Digital outputs of M03.", "[1]"),
+    ("gcode.outputs.spindle_ccw", "Digital outputs of M04.", "[2]"),
+    ("gcode.outputs.coolant1", "Digital outputs of M08.", "[3]"),
+    ("gcode.outputs.coolant2", "Digital outputs of M07.", "[4]"),
+    ("gcode.outputs.clamp", "Digital outputs of M10, M11.", "[5]"),
+    ("gcode.m.number", "M function without a meaning of its own: 12, 18, 20-28, 32-35, 50-59, 61, 67-97, 100-999.", ""),
+    ("gcode.m.set", "Digital outputs it sets.", "[]"),
+    ("gcode.m.reset", "Digital outputs it resets.", "[]"),
+    ("gcode.m.wait", "Inputs that must be active before motion goes on.", "[]"),
+    ("gcode.m.ci", "Common integer it writes, in step with motion; not 99.", "none"),
+    ("gcode.m.value", "What it writes there, a whole number.", ""),
+    ("gcode.speed_cd", "Common double that takes S.", ""),
+    ("gcode.auxiliary_ci", "Common integer that takes H; not 99.", "200"),
+];
+
+/// Tables with axis names as keys, which the reader cannot list.
+const HEAD: &str = "# The machine file
+
+<!-- Written by `cargo run -p motion_kernel --example machine_reference > docs/machine-file.md`; a test compares it. -->
+
+A machine file is TOML. `examples/machines/mill3.toml` is commented and is also the built-in machine;
+`cnc-front machine show FILE` prints a file resolved with all defaults, `cnc-front machine check FILE` reports what is
+wrong with it. Lengths are in mm, positions of rotary axes in degrees (read degree for mm below), times in s. A key that is
+not listed here is an error. Axes are driven in the order of their `[[axis]]` tables, at most 18.
+";
+
+const OFFSETS: &str = "
+## gcode.offsets
+
+Work offsets: `G54` to `G59`, each a table of positions per axis name: `G55 = { X = 120.0, Y = 40.0 }`. Axes not named have 0.
+
+## gcode.references
+
+Positions of G30 in machine coordinates: `P2`, `P3`, `P4`, each a table of positions per axis name: `P2 = { X = 10.0 }`. Axes
+not named go to their `reference`. A position without a table is unknown to programs (GC311).
+";
+
+/// The page as Markdown.
+pub fn machine_reference() -> String {
+    let mut page = HEAD.to_owned();
+    let mut group = None;
+    for key in keys() {
+        let (table, name) = key.path.rsplit_once('.').unwrap_or(("", &key.path));
+        if group.as_deref() != Some(table) {
+            page += &heading(table);
+            group = Some(table.to_owned());
+        }
+        let (_, text, own) = explanation(&key).unwrap_or(&("", "", ""));
+        let default = if own.is_empty() { &key.default } else { *own };
+        let kind = if key.range.is_empty() { key.kind.to_owned() } else { format!("{}: {}", key.kind, key.range) };
+        writeln!(page, "| `{name}` | {kind} | {default} | {text} |").expect("writing to a String");
+    }
+    page += OFFSETS;
+    page += "\n## Diagnostics\n\n| id | what to do |\n|---|---|\n";
+    for (id, remedy) in MC_IDS {
+        writeln!(page, "| {id} | {remedy} |").expect("writing to a String");
+    }
+    page
+}
+
+fn heading(table: &str) -> String {
+    let title = match table {
+        "" => "Top level".to_owned(),
+        "axis" | "gcode.tool" | "gcode.m" => format!("\\[\\[{table}\\]\\]"),
+        _ => table.to_owned(),
+    };
+    format!("\n## {title}\n\n| key | value | default | meaning |\n|---|---|---|---|\n")
+}
+
+fn explanation(key: &Key) -> Option<&'static (&'static str, &'static str, &'static str)> {
+    TEXTS.iter().find(|(path, _, _)| *path == key.path)
+}
+
+/// Every key that the reader asks for, tables together and in their order of appearance.
+fn keys() -> Vec<Key> {
+    let findings = Findings::new(EVERY_TABLE);
+    let (table, _) = DeTable::parse_recoverable(EVERY_TABLE);
+    machine(Section::new("", table.get_ref(), 0..0, &findings));
+    let table_of = |key: &Key| key.path.rsplit_once('.').map_or(String::new(), |(table, _)| table.to_owned());
+    let keys = findings.into_keys();
+    let mut tables: Vec<String> = Vec::new();
+    for table in keys.iter().map(table_of) {
+        if !tables.contains(&table) {
+            tables.push(table);
+        }
+    }
+    tables.sort_by_key(|table| (!table.is_empty(), table.split('.').next() == Some("gcode")));
+    let mut sorted = keys;
+    sorted.sort_by_key(|key| tables.iter().position(|table| *table == table_of(key)));
+    sorted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_key_is_explained_and_every_explanation_belongs_to_a_key() {
+        let keys = keys();
+        let unexplained: Vec<&str> =
+            keys.iter().filter(|k| explanation(k).is_none()).map(|k| k.path.as_str()).collect();
+        assert_eq!(unexplained, Vec::<&str>::new());
+        let orphans = TEXTS.iter().filter(|(path, _, _)| !keys.iter().any(|k| k.path == *path)).map(|row| row.0);
+        assert_eq!(orphans.collect::<Vec<_>>(), Vec::<&str>::new());
+    }
+
+    #[test]
+    fn every_default_is_told() {
+        for key in keys() {
+            let (_, _, own) = explanation(&key).expect("explained");
+            assert!(!own.is_empty() || !key.default.is_empty(), "{}", key.path);
+        }
+    }
+
+    #[test]
+    fn the_page_is_current() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/machine-file.md");
+        let page = std::fs::read_to_string(path).expect("docs/machine-file.md");
+        assert!(page == machine_reference(), "write the page again, its head says how");
+    }
+}
