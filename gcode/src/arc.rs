@@ -67,7 +67,7 @@ fn check_radius(radius: f64, span: Span) -> Check<()> {
 }
 
 /// The arc with a programmed centre. `other` is the centre in the other centre mode, for the message.
-pub fn by_centre(ends: &Ends, centre: Vector, other: Vector, warnings: &mut Vec<Box<Fault>>) -> Check<Arc> {
+pub fn by_centre(ends: &Ends, centre: Vector, other: Vector, warnings: &mut Vec<Fault>) -> Check<Arc> {
     let (r0, r1) = (length(minus(ends.start, centre)), length(minus(ends.end, centre)));
     check_radius(r0, ends.span)?;
     let gap = minus(ends.end, ends.start);
@@ -102,7 +102,7 @@ fn on_bisector(ends: &Ends, centre: Vector) -> Vector {
 }
 
 #[cold]
-fn unequal(ends: &Ends, (r0, r1): (f64, f64), limit: f64, other: Vector) -> Box<Fault> {
+fn unequal(ends: &Ends, (r0, r1): (f64, f64), limit: f64, other: Vector) -> Fault {
     let (o0, o1) = (length(minus(ends.start, other)), length(minus(ends.end, other)));
     let fits = (o0 - o1).abs() <= self::limit(0.5 * (o0 + o1)) && o0 > SMALLEST;
     let hint = if fits { " (it would fit with the other arc centre mode, G90.1 / G91.1)" } else { "" };
@@ -112,7 +112,7 @@ fn unequal(ends: &Ends, (r0, r1): (f64, f64), limit: f64, other: Vector) -> Box<
 }
 
 /// The arc with a programmed radius; negative: more than a half circle. `word` is the place of R.
-pub fn by_radius(ends: &Ends, radius: f64, word: Span, warnings: &mut Vec<Box<Fault>>) -> Check<Arc> {
+pub fn by_radius(ends: &Ends, radius: f64, word: Span, warnings: &mut Vec<Fault>) -> Check<Arc> {
     if radius == 0.0 {
         return Err(Fault::new(Id::GC411, word));
     }

@@ -2,7 +2,7 @@
 
 use crate::codes::{GCode, Group};
 use crate::diagnostics::{Check, Fault, Id, Span};
-use crate::variables::Assignment;
+use crate::variables::{Assignment, Variable};
 
 /// Index of an address letter, A = 0.
 pub const fn letter_index(letter: u8) -> usize {
@@ -50,8 +50,10 @@ pub struct MWord {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Item {
     Text(String),
-    /// An expression: its value, and the common variable if it is nothing but one.
+    /// An expression.
     Value(f64),
+    /// `CIn` or `CDn` alone: read when the block runs.
+    Common(Variable),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,6 +113,8 @@ pub struct Block {
     words: [Word; 26],
     /// Letters present.
     pub mask: u32,
+    /// Letters whose value came from a variable or an expression.
+    pub stored: u32,
     pub g: Vec<GWord>,
     /// Groups of the G codes present.
     pub groups: u32,
@@ -134,6 +138,7 @@ impl Block {
     pub fn clear(&mut self, line: u32) {
         self.line = line;
         self.mask = 0;
+        self.stored = 0;
         self.groups = 0;
         self.g.clear();
         self.m.clear();

@@ -63,8 +63,8 @@ impl Translator<'_> {
         words.retract.ok_or_else(|| missing("R"))?;
         words.bottom.ok_or_else(|| missing("bottom"))?;
         if matches!(code, 730 | 830) && words.peck.is_none_or(|q| q <= 0.0) {
-            let place = block.word(b'Q').or(block.word(b'R')).map_or(block.span, |w| w.span);
-            return Err(Fault::new(Id::GC416, if block.has(b'Q') { block.span_of(b'Q') } else { place }));
+            let code = block.code_of(Group::Motion).map_or(block.span, |g| g.span);
+            return Err(Fault::new(Id::GC416, block.word(b'Q').map_or(code, |w| w.span)));
         }
         self.state.cycle = Some(words);
         Ok(words)

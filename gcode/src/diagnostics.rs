@@ -52,16 +52,16 @@ pub struct Fault {
 }
 
 impl Fault {
-    pub fn new(id: Id, span: Span) -> Box<Self> {
+    pub fn new(id: Id, span: Span) -> Self {
         Self::with(id, span, &[])
     }
     /// Fills the message of the catalogue with `args`.
-    pub fn with(id: Id, span: Span, args: &[&dyn Display]) -> Box<Self> {
-        Box::new(Fault { id, span, message: fill(id.template(), args) })
+    pub fn with(id: Id, span: Span, args: &[&dyn Display]) -> Self {
+        Fault { id, span, message: fill(id.template(), args) }
     }
 }
 
-pub type Check<T> = Result<T, Box<Fault>>;
+pub type Check<T> = Result<T, Fault>;
 
 /// Replaces each `{..}` of the template by the next argument.
 fn fill(template: &str, args: &[&dyn Display]) -> String {

@@ -37,7 +37,7 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Limits { bytes: 256 << 20, errors: 100, blocks: 100_000_000, calls: 10, commands: 20_000_000 }
+        Limits { bytes: 256 << 20, errors: 100, blocks: 100_000_000, calls: 10, commands: 12_000_000 }
     }
 }
 

@@ -24,7 +24,7 @@ pub struct Reader<'a, 'e> {
     pub assigned: Vec<Assignment>,
     /// True inside the right side of an assignment, which sees the earlier ones of the block.
     pub assigning: bool,
-    pub warnings: Vec<Box<Fault>>,
+    pub warnings: Vec<Fault>,
     depth: usize,
 }
 
@@ -238,7 +238,7 @@ impl<'a, 'e> Reader<'a, 'e> {
             b'#' => self.hash(),
             b'"' => Err(Fault::new(Id::GC719, Span::new(at, at + 1))),
             b'0'..=b'9' | b'.' => {
-                let number = number::scan(self.text, at, at).map_err(|f| operand(f, self.character(at)))?;
+                let number = number::scan_operand(self.text, at).map_err(|f| operand(f, self.character(at)))?;
                 self.pos = number.end;
                 if number.rounded {
                     self.warnings.push(Fault::new(Id::GW905, Span::new(at, number.end)));
@@ -396,7 +396,7 @@ pub fn short(name: &str) -> String {
     name.chars().take(32).collect()
 }
 
-fn operand(fault: Box<Fault>, span: Span) -> Box<Fault> {
+fn operand(fault: Fault, span: Span) -> Fault {
     if fault.id == Id::GC202 { Fault::new(Id::GC714, span) } else { fault }
 }
 

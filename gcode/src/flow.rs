@@ -158,7 +158,7 @@ impl<'s> Flows<'s> {
         self.loops.clear();
     }
     /// A loop that is open where the program ends.
-    pub fn open_loop(&mut self) -> Option<(u32, &'s [u8], Box<Fault>)> {
+    pub fn open_loop(&mut self) -> Option<(u32, &'s [u8], Fault)> {
         let open = self.loops.pop()?;
         let mut lines = self.lines.clone();
         lines.go(open.at);

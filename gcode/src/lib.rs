@@ -23,6 +23,7 @@ pub mod group;
 pub mod listing;
 pub mod mfunc;
 pub mod modal;
+mod motion;
 pub mod number;
 mod offsets;
 pub mod parser;

@@ -2,8 +2,9 @@
 
 use motion_kernel::autocode::Instr;
 use motion_kernel::axes::AxisSet;
+use motion_kernel::registers::ModeReg;
 
-use crate::block::{AXIS_LETTERS, Block, GWord, Statement, bit, mask};
+use crate::block::{AXIS_LETTERS, Block, GWord, Item, Statement, bit, mask};
 use crate::codes::Group;
 use crate::diagnostics::{Check, Fault, Id, Span};
 use crate::dialect::Dialect;
@@ -208,7 +209,7 @@ impl Translator<'_> {
     /// M62..M65: output P on or off, in step with motion.
     fn output(&mut self, block: &Block, m: u16, span: Span, outputs: &mut Outputs) -> Check<()> {
         let bit = 1 << self.line_number(block, span)?;
-        if m % 2 == 0 {
+        if m.is_multiple_of(2) {
             outputs.put(bit, 0)
         } else {
             outputs.put(0, bit)
@@ -389,24 +390,37 @@ impl Translator<'_> {
             }
         }
     }
-    /// `write` and `writeln`, in step with motion as far as the task is.
+    /// `write` and `writeln`: the task puts out the text when the motion before it is done.
     pub fn write(&mut self, statement: &Statement) {
         let Statement::Write { items, line } = statement else { return };
-        let text: String = items.iter().map(item_text).collect();
-        if !text.is_empty() {
-            let number = self.sink.text(&text);
-            self.sink.instr(self.line, Instr::WriteText(number));
+        self.drain();
+        for item in items {
+            let load = match item {
+                Item::Common(Variable::Ci(n)) => Instr::LoadCi(*n),
+                Item::Common(Variable::Cd(n)) => Instr::LoadCd(*n),
+                Item::Text(text) => {
+                    self.put_text(text);
+                    continue;
+                }
+                Item::Value(value) => {
+                    self.put_text(&number_text(*value));
+                    continue;
+                }
+                Item::Common(_) => continue,
+            };
+            self.sink.instr(self.line, load);
+            self.sink.instr(self.line, Instr::WriteValue);
         }
         if *line {
             self.sink.instr(self.line, Instr::Writeln);
+            if self.machine.gcode.modereg & ModeReg::StopAtWriteln.0 != 0 {
+                self.operator_stop(0);
+            }
         }
     }
-}
-
-fn item_text(item: &crate::block::Item) -> String {
-    match item {
-        crate::block::Item::Text(text) => text.clone(),
-        crate::block::Item::Value(value) => number_text(*value),
+    fn put_text(&mut self, text: &str) {
+        let number = self.sink.text(text);
+        self.sink.instr(self.line, Instr::WriteText(number));
     }
 }
 

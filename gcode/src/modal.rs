@@ -1,6 +1,6 @@
 //! Modal state of a program (docs/dialect.md, section 5). A block is resolved against a copy; only a good block is kept.
 
-use crate::frame::Frame;
+use crate::frame::{Frame, Zero};
 use crate::group::{ContourGroup, Point};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +13,20 @@ pub enum MotionMode {
     Cycle(u16),
     /// G80
     None,
+}
+
+impl MotionMode {
+    /// Its G code in tenths.
+    pub const fn tenths(self) -> u16 {
+        match self {
+            MotionMode::Rapid => 0,
+            MotionMode::Line => 10,
+            MotionMode::Clockwise => 20,
+            MotionMode::CounterClockwise => 30,
+            MotionMode::Cycle(code) => code,
+            MotionMode::None => 800,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +70,17 @@ pub enum FeedMode {
     PerMinute,
     /// G95
     PerRevolution,
+}
+
+impl FeedMode {
+    /// Its G code in tenths.
+    pub const fn tenths(self) -> u16 {
+        match self {
+            FeedMode::InverseTime => 930,
+            FeedMode::PerMinute => 940,
+            FeedMode::PerRevolution => 950,
+        }
+    }
 }
 
 /// F as programmed, and in mm with the unit active when it was programmed.
@@ -166,14 +191,7 @@ impl State {
     pub fn group_code(&self, group: u32) -> Option<f64> {
         let m = &self.modal;
         Some(match group {
-            1 => match m.motion {
-                MotionMode::Rapid => 0.0,
-                MotionMode::Line => 1.0,
-                MotionMode::Clockwise => 2.0,
-                MotionMode::CounterClockwise => 3.0,
-                MotionMode::Cycle(code) => f64::from(code) / 10.0,
-                MotionMode::None => 80.0,
-            },
+            1 => f64::from(m.motion.tenths()) / 10.0,
             2 => f64::from(m.plane.g()),
             3 => {
                 if m.incremental {
@@ -182,11 +200,7 @@ impl State {
                     90.0
                 }
             }
-            5 => match m.feed_mode {
-                FeedMode::InverseTime => 93.0,
-                FeedMode::PerMinute => 94.0,
-                FeedMode::PerRevolution => 95.0,
-            },
+            5 => f64::from(m.feed_mode.tenths()) / 10.0,
             6 => {
                 if m.inch {
                     20.0
@@ -226,33 +240,41 @@ impl State {
             _ => return None,
         })
     }
-    /// Modal codes as an operator reads them, e.g. "G1 G17 G90 G21 G94 G40 G49 G64 G54".
-    pub fn text(&self) -> String {
-        use crate::frame::Zero;
+    /// The active G codes in tenths, in the order in which operators read them.
+    #[inline]
+    pub fn codes(&self) -> Codes {
         let m = &self.modal;
-        let motion = match m.motion {
-            MotionMode::Rapid => "0".to_owned(),
-            MotionMode::Line => "1".to_owned(),
-            MotionMode::Clockwise => "2".to_owned(),
-            MotionMode::CounterClockwise => "3".to_owned(),
-            MotionMode::Cycle(code) => crate::codes::number(code),
-            MotionMode::None => "80".to_owned(),
+        let (zero, extra) = match self.frame.zero {
+            Zero::Machine => (530, 0),
+            Zero::Work(set) => (540 + 10 * set as u16, 0),
+            Zero::Extra(n) => (541, n as u16),
         };
-        let distance = if m.incremental { 91 } else { 90 };
-        let unit = if m.inch { 20 } else { 21 };
-        let feed = match m.feed_mode {
-            FeedMode::InverseTime => 93,
-            FeedMode::PerMinute => 94,
-            FeedMode::PerRevolution => 95,
-        };
-        let length = if self.frame.length.is_some() { 43 } else { 49 };
-        let path = if m.exact { 61 } else { 64 };
-        let zero = match self.frame.zero {
-            Zero::Machine => "53".to_owned(),
-            Zero::Work(set) => format!("{}", 54 + set),
-            Zero::Extra(n) => format!("54.1 P{n}"),
-        };
-        let plane = m.plane.g();
-        format!("G{motion} G{plane} G{distance} G{unit} G{feed} G{} G{length} G{path} G{zero}", m.correction)
+        let choose = |on: bool, yes: u16, no: u16| if on { yes } else { no };
+        Codes([
+            m.motion.tenths(),
+            m.plane.g() * 10,
+            choose(m.incremental, 910, 900),
+            choose(m.inch, 200, 210),
+            m.feed_mode.tenths(),
+            m.correction * 10,
+            choose(self.frame.length.is_some(), 430, 490),
+            choose(m.exact, 610, 640),
+            zero,
+            extra,
+        ])
+    }
+}
+
+/// Active G codes, to be compared cheaply.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Codes([u16; 10]);
+
+impl std::fmt::Display for Codes {
+    /// "G1 G17 G90 G21 G94 G40 G49 G64 G54"
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (i, tenths) in self.0[..9].iter().enumerate() {
+            write!(f, "{}G{}", if i == 0 { "" } else { " " }, crate::codes::number(*tenths))?;
+        }
+        if self.0[9] == 0 { Ok(()) } else { write!(f, " P{}", self.0[9]) }
     }
 }

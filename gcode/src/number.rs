@@ -30,6 +30,16 @@ pub fn starts_number(byte: u8) -> bool {
 /// Reads the number at `start`; `address` is the offset of the word, for messages.
 #[inline]
 pub fn scan(text: &[u8], start: usize, address: usize) -> Check<Number> {
+    scan_before(text, start, address, |b| matches!(b, b'.' | b',' | b'+' | b'-'))
+}
+
+/// As [`scan`], inside an expression: signs and commas behind the number belong to the expression.
+pub fn scan_operand(text: &[u8], start: usize) -> Check<Number> {
+    scan_before(text, start, start, |b| b == b'.')
+}
+
+#[inline]
+fn scan_before(text: &[u8], start: usize, address: usize, bad: fn(u8) -> bool) -> Check<Number> {
     let mut pos = start;
     let sign = at(text, pos);
     let signed = sign == b'-' || sign == b'+';
@@ -52,8 +62,9 @@ pub fn scan(text: &[u8], start: usize, address: usize) -> Check<Number> {
         decimals = pos - behind;
         digits += decimals;
     }
-    if digits == 0 || digits > 15 || matches!(at(text, pos), b'.' | b',' | b'+' | b'-') {
-        return unusual(text, (start, first, pos, address), digits, (signed, sign == b'-', point));
+    if digits == 0 || digits > 15 || bad(at(text, pos)) {
+        let next = Some(at(text, pos)).filter(|b| bad(*b)).unwrap_or(0);
+        return unusual(text, (start, first, pos, address), digits, (signed, sign == b'-', point), next);
     }
     // both are exact in a double, so the quotient is correctly rounded
     let value = mantissa as f64 / POWERS[decimals];
@@ -68,12 +79,12 @@ fn unusual(
     (start, first, pos, address): (usize, usize, usize, usize),
     digits: usize,
     (signed, negative, point): (bool, bool, bool),
+    next: u8,
 ) -> Check<Number> {
     let run = |from: usize| {
         let is_part = |b: u8| b.is_ascii_digit() || matches!(b, b'.' | b'+' | b'-');
         from + text[from..].iter().take_while(|&&b| is_part(b)).count()
     };
-    let next = at(text, pos);
     if next == b',' && digits > 0 {
         if at(text, pos + 1).is_ascii_digit() {
             return Err(Fault::new(Id::GC205, Span::new(pos, pos + 1)));

@@ -57,7 +57,7 @@ const RULES: [Rule; 26] = {
 const MAX_M: usize = 8;
 
 /// Reads a line into `block`. What can be passed over is added to `faults`; an `Err` ends the reading of the line.
-pub fn parse(text: &[u8], env: &Environment, dialect: &Dialect, block: &mut Block, faults: &mut Vec<Box<Fault>>) {
+pub fn parse(text: &[u8], env: &Environment, dialect: &Dialect, block: &mut Block, faults: &mut Vec<Fault>) {
     let mut parser = Parser { r: Reader::new(text, env), dialect, block, faults, headed: false };
     let result = parser.line();
     let Parser { r, block, faults, .. } = parser;
@@ -70,7 +70,7 @@ pub(crate) struct Parser<'a, 'e, 'b> {
     pub r: Reader<'a, 'e>,
     pub dialect: &'b Dialect,
     pub block: &'b mut Block,
-    pub faults: &'b mut Vec<Box<Fault>>,
+    pub faults: &'b mut Vec<Fault>,
     /// The head of the block (`/`, N, O) is behind.
     headed: bool,
 }
@@ -177,7 +177,11 @@ impl Parser<'_, '_, '_> {
         if letter == b'L' && self.r.peek().is_ascii_alphabetic() && self.r.pos > at + 1 {
             return self.call_name(at);
         }
+        let found = self.faults.len();
         let word = self.value(at, letter)?;
+        if self.faults.len() > found && self.faults[found..].iter().any(|f| !f.id.is_warning()) {
+            return Ok(());
+        }
         match letter {
             b'N' if self.headed => self.faults.push(Fault::new(Id::GC209, word.span)),
             b'G' => self.put_g(word),
@@ -279,10 +283,11 @@ impl Parser<'_, '_, '_> {
             byte if byte > b' ' && !byte.is_ascii_alphanumeric() && byte != b';' => return Err(self.stray(start)),
             _ => return Err(no_value(at, letter)),
         };
+        self.block.stored |= crate::block::bit(letter);
         Ok(if negative { -value } else { value })
     }
 
-    fn unexpected_equals(&self, at: usize, letter: u8, value: f64) -> Box<Fault> {
+    fn unexpected_equals(&self, at: usize, letter: u8, value: f64) -> Fault {
         let equals = Span::new(self.r.pos, self.r.pos + 1);
         if letter == b'R' {
             return Fault::with(Id::GC215, Span::new(at, self.r.pos + 1), &[&value, &value]);
@@ -460,7 +465,7 @@ impl Parser<'_, '_, '_> {
 
     /// What a character means that begins no word.
     #[cold]
-    pub fn stray(&self, at: usize) -> Box<Fault> {
+    pub fn stray(&self, at: usize) -> Fault {
         let byte = self.r.at(at);
         let span = self.r.character(at);
         let foreign = |dialect: &str| Fault::with(Id::GC107, span, &[&char::from(byte), &dialect]);
@@ -491,18 +496,18 @@ impl Parser<'_, '_, '_> {
             }
         }
     }
-    fn unexpected(&self, at: usize, span: Span) -> Box<Fault> {
+    fn unexpected(&self, at: usize, span: Span) -> Fault {
         let context = if self.block.is_empty() { "the start of the block" } else { "the last word" };
         Fault::with(Id::GC220, span, &[&char::from(self.r.at(at)), &context])
     }
 }
 
-fn no_value(at: usize, letter: u8) -> Box<Fault> {
+fn no_value(at: usize, letter: u8) -> Fault {
     Fault::with(Id::GC202, Span::new(at, at + 1), &[&char::from(letter)])
 }
 
 fn is_active(upper: &[u8], name: &[u8]) -> bool {
-    upper.starts_with(name) && (name.ends_with(b",") || upper[name.len()..].iter().any(|&b| b == b','))
+    upper.starts_with(name) && (name.ends_with(b",") || upper[name.len()..].contains(&b','))
 }
 
 /// Length of a comment whose nested parentheses balance within the line.

@@ -86,8 +86,8 @@ pub(crate) struct Run<'t, 'm, 's> {
     ended: bool,
     any_block: bool,
     told: Told,
-    last: (u32, Span),
-    faults: Vec<Box<Fault>>,
+    last: (u32, Span, &'s [u8]),
+    faults: Vec<Fault>,
 }
 
 /// Warnings that are given once.
@@ -118,7 +118,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             ended: false,
             any_block: false,
             told: Told::default(),
-            last: (1, Span::default()),
+            last: (1, Span::default(), b" "),
             faults: Vec::new(),
         }
     }
@@ -210,7 +210,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
     #[inline]
     fn execute(&mut self, line: u32, text: &'s [u8], block: &mut Block) {
         self.t.line = self.flows.source_line(line);
-        self.last = (line, block.span);
+        self.last = (line, block.span, text);
         if let Some(n) = block.word(b'N')
             && self.flows.is_first_pass(line)
             && self.numbers.seen_before(n.value as u32)
@@ -370,8 +370,8 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         self.mode = if name.is_empty() || name.starts_with(b"(") { Mode::Ignore } else { Mode::Read };
     }
     fn warn_missing_end(&mut self) {
-        let (line, span) = self.last;
-        self.report(line, b" ", &Fault::new(Id::GW909, Span { end: span.end.max(1), ..span }));
+        let (line, span, text) = self.last;
+        self.report(line, text, &Fault::new(Id::GW909, Span { end: span.end.max(1), ..span }));
     }
 
     /// Leader text before the first `%` is not part of the program.
@@ -421,8 +421,8 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             self.t.end("M02");
         }
         self.t.sink.flush();
-        let (line, _) = self.last;
-        self.settle(line, b" ");
+        let (line, _, text) = self.last;
+        self.settle(line, text);
         if self.t.dialect.integer_increment == 0.0 && !self.told.inch {
             self.hint_inch();
         }

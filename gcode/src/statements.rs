@@ -172,7 +172,7 @@ fn write(p: &mut Parser, line: bool, span: Span) -> Check<Statement> {
     if !(line && matches!(p.r.peek(), 0 | b';')) {
         loop {
             p.r.blanks();
-            items.push(if quote(&p.r.text[p.r.pos..]) > 0 { string(p)? } else { Item::Value(p.r.expression()?) });
+            items.push(if quote(&p.r.text[p.r.pos..]) > 0 { string(p)? } else { value(p)? });
             p.r.blanks();
             if p.r.peek() != b',' {
                 break;
@@ -187,6 +187,19 @@ fn write(p: &mut Parser, line: bool, span: Span) -> Check<Statement> {
         p.r.pos += 1;
     }
     Ok(Statement::Write { items, line })
+}
+
+/// An expression; a common variable alone is read when the block runs.
+fn value(p: &mut Parser) -> Check<Item> {
+    let at = p.r.pos;
+    if let Some(variable) = p.r.common()? {
+        p.r.blanks();
+        if matches!(p.r.peek(), 0 | b',' | b';' | b')') {
+            return Ok(Item::Common(variable));
+        }
+        p.r.pos = at;
+    }
+    Ok(Item::Value(p.r.expression()?))
 }
 
 /// Length of the quotation mark that stands here: `"`, U+201C..U+201E, or Windows-1252 84h 93h 94h.

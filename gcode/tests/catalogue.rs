@@ -1,0 +1,339 @@
+//! Every id of the catalogue has a small bad program with the expected place.
+//! Ids that this crate cannot reach are listed with the reason, visibly.
+
+mod common;
+
+use std::collections::BTreeSet;
+
+use common::{example, mill3};
+use gcode::{CATALOGUE, Compiled, Limits, Options, compile};
+use motion_kernel::machine::{Machine, Profile};
+
+/// (id, line, column, end column, program)
+type Row = (&'static str, u32, u32, u32, &'static str);
+
+const ON_MILL3: &[Row] = &[
+    ("GC103", 1, 6, 6, "G1 X1\x07 F100\nM30\n"),
+    ("GC104", 1, 5, 5, "G1 X\u{2013}5\nM30\n"),
+    ("GC104", 1, 3, 3, "G0\u{a0}X5\nM30\n"),
+    ("GC107", 2, 1, 1, "G0 X1\n$X$=5\nM30\n"),
+    ("GC107", 1, 4, 4, "N1 @371 R52 K2 K0\nM30\n"),
+    ("GC107", 1, 2, 2, "//G0 X1\nM30\n"),
+    ("GC108", 1, 4, 4, "G90(abc\nM30\n"),
+    ("GC109", 1, 6, 6, "G0 X1) Y2\nM30\n"),
+    ("GC110", 1, 7, 7, "write \"abc\nM30\n"),
+    ("GC113", 1, 1, 1, "(only a comment)\n\n"),
+    ("GC201", 1, 1, 5, "XYZZY\nM30\n"),
+    ("GC201", 1, 7, 9, "G0 X10FOO\nM30\n"),
+    ("GC202", 1, 4, 4, "G0 X Y5\nM30\n"),
+    ("GC202", 1, 4, 5, "G0 X-\nM30\n"),
+    ("GC202", 1, 4, 5, "G0 X.\nM30\n"),
+    ("GC203", 1, 4, 5, "G0 10\nM30\n"),
+    ("GC203", 1, 7, 7, "G0 X1 0\nM30\n"),
+    ("GC204", 1, 5, 9, "G0 X1.2.3\nM30\n"),
+    ("GC204", 1, 5, 7, "G0 X--1\nM30\n"),
+    ("GC204", 1, 5, 7, "G0 X1-2\nM30\n"),
+    ("GC205", 1, 6, 6, "G0 X1,5\nM30\n"),
+    ("GC206", 1, 5, 46, "G0 X0.0000000000000000000000000000000000000001\nM30\n"),
+    ("GC207", 1, 1, 4, "N-10 G0 X1\nM30\n"),
+    ("GC207", 1, 1, 3, "T-1\nM30\n"),
+    ("GC207", 1, 1, 5, "S-500\nM30\n"),
+    ("GC208", 1, 5, 5, "G0 X(a)10\nM30\n"),
+    ("GC209", 1, 4, 6, "G0 N10 X5\nM30\n"),
+    ("GC210", 1, 1, 5, "N10.5 G0 X1\nM30\n"),
+    ("GC210", 1, 1, 4, "T1.5\nM30\n"),
+    ("GC211", 1, 7, 7, "G0 X1 /Y2\nM30\n"),
+    ("GC212", 1, 7, 8, "G0 X1 O5\nM30\n"),
+    ("GC213", 1, 8, 9, "G0 X10 ,R2\nM30\n"),
+    ("GC214", 1, 12, 15, "G1 X1 F100 E100\nM30\n"),
+    ("GC215", 1, 1, 3, "R1=5\nM30\n"),
+    ("GC216", 1, 4, 15, "G0 X99999999999\nM30\n"),
+    ("GC216", 1, 1, 5, "G1000\nM30\n"),
+    ("GC217", 1, 1, 6, "G91.15\nM30\n"),
+    ("GC218", 1, 1, 2, "/0 G0 X1\nM30\n"),
+    ("GC219", 1, 1, 3, "AB1 = 5\nM30\n"),
+    ("GC220", 1, 2, 2, "G=1\nM30\n"),
+    ("GC220", 1, 5, 5, "N10 = 5\nM30\n"),
+    ("GC221", 1, 33, 35, "M36 M50 M51 M52 M53 M54 M55 M56 M57\nM30\n"),
+    ("GC301", 1, 7, 8, "G0 X1 X2\nM30\n"),
+    ("GC302", 1, 4, 5, "G0 G1 X1\nM30\n"),
+    ("GC302", 1, 5, 7, "G17 G18\nM30\n"),
+    ("GC302", 1, 4, 5, "M3 M5\nM30\n"),
+    ("GC302", 1, 5, 7, "G90 G91\nM30\n"),
+    ("GC303", 1, 4, 6, "G1 G92 X5\nM30\n"),
+    ("GC303", 1, 5, 6, "G28 G1 X1\nM30\n"),
+    ("GC304", 1, 8, 9, "G04 X1 Y2\nM30\n"),
+    ("GC304", 1, 4, 5, "G1 G4 X5\nM30\n"),
+    ("GC305", 1, 1, 3, "G05\nM30\n"),
+    ("GC305", 1, 1, 4, "G999\nM30\n"),
+    ("GC306", 1, 1, 3, "G06\nM30\n"),
+    ("GC307", 1, 1, 3, "G31 Z-5\nM30\n"),
+    ("GC307", 1, 1, 5, "G38.2 Z-5\nM30\n"),
+    ("GC308", 1, 1, 3, "G33 Z-20 K1.5\nM30\n"),
+    ("GC308", 1, 1, 3, "G84 Z-20 R1\nM30\n"),
+    ("GC309", 1, 5, 6, "G10 L3 P1 X0\nM30\n"),
+    ("GC310", 1, 1, 3, "G10 P1 X0\nM30\n"),
+    ("GC311", 1, 5, 6, "G30 P7\nM30\n"),
+    ("GC313", 1, 1, 3, "G50 X1\nM30\n"),
+    ("GC314", 1, 4, 6, "G2 G53 X1\nM30\n"),
+    ("GC315", 1, 5, 7, "G91 G53 G0 X1\nM30\n"),
+    ("GC316", 1, 1, 3, "G58 X10\nM30\n"),
+    ("GC317", 1, 1, 3, "G71 U1 R1\nM30\n"),
+    ("GC317", 1, 1, 3, "G76 P1\nM30\n"),
+    ("GC318", 1, 5, 6, "G74 X5\nM30\n"),
+    ("GC319", 2, 1, 2, "G80\nX5\nM30\n"),
+    ("GC320", 1, 1, 3, "G87 Z-1 R1\nM30\n"),
+    ("GC323", 2, 1, 3, "G93\nG81 X1 Z-1 R1 F10\nM30\n"),
+    ("GC325", 1, 1, 15, "G81 X5 Z-5 F100\nM30\n"),
+    ("GC326", 1, 7, 8, "G0 X1 Q5\nM30\n"),
+    ("GC326", 1, 1, 2, "P3\nM30\n"),
+    ("GC326", 1, 5, 6, "G17 I5\nM30\n"),
+    ("GC327", 1, 1, 3, "G52\nM30\n"),
+    ("GC327", 1, 1, 3, "G92\nM30\n"),
+    ("GC327", 1, 1, 5, "G51.1\nM30\n"),
+    ("GC328", 2, 1, 3, "G68 X0 Y0 R10\nG18\nM30\n"),
+    ("GC329", 2, 15, 17, "#1=5\nG20 G10 L2 P1 X#1\nM30\n"),
+    ("GC401", 1, 1, 21, "G2 X10 Y0 I4 J0 F1000\nM30\n"),
+    ("GC402", 1, 1, 15, "G2 X1 I0 J0 F10\nM30\n"),
+    ("GC403", 1, 5, 6, "G51 P0\nM30\n"),
+    ("GC404", 1, 18, 19, "G17 G2 X1 Y1 I.5 K2 F100\nM30\n"),
+    ("GC405", 1, 7, 8, "G2 X1 R5 I2 F100\nM30\n"),
+    ("GC406", 1, 1, 15, "G2 X10 Y10 F100\nM30\n"),
+    ("GC407", 1, 7, 8, "G3 I5 P0 F100\nM30\n"),
+    ("GC408", 1, 1, 10, "G2 R5 F100\nM30\n"),
+    ("GC409", 1, 1, 27, "G3 X1 I9999999 J9999999 F10\nM30\n"),
+    ("GC410", 1, 1, 16, "G2 X100 R20 F100\nM30\n"),
+    ("GC411", 1, 7, 8, "G2 X1 R0 F100\nM30\n"),
+    ("GC412", 2, 1, 14, "G51 I2 J1\nG2 X10 I5 F100\nM30\n"),
+    ("GC413", 1, 4, 7, "G0 X700\nM30\n"),
+    ("GC413", 2, 1, 12, "G0 X590\nG2 I20 F1000\nM30\n"),
+    ("GC415", 1, 8, 9, "G81 Z5 R2 F100\nM30\n"),
+    ("GC416", 1, 1, 3, "G83 Z-9 R1 F100\nM30\n"),
+    ("GC501", 1, 1, 6, "G1 X10\nM30\n"),
+    ("GC502", 2, 1, 5, "G93 G1 X1 F10\nX5 Y1\nM30\n"),
+    ("GC503", 1, 1, 3, "G96 S200\nM30\n"),
+    ("GC504", 1, 7, 8, "G1 X1 F0\nM30\n"),
+    ("GC504", 1, 7, 11, "G1 X1 F-100\nM30\n"),
+    ("GC505", 1, 1, 15, "G95 G1 X1 F0.10\nM30\n"),
+    ("GC506", 1, 5, 7, "G04 P-1\nM30\n"),
+    ("GC507", 1, 1, 3, "G04\nM30\n"),
+    ("GC508", 1, 8, 11, "G04 X1 P500\nM30\n"),
+    ("GC509", 1, 5, 7, "G43 H99\nM30\n"),
+    ("GC510", 1, 1, 3, "M15\nM30\n"),
+    ("GC511", 1, 1, 3, "M66 P0 L1\nM30\n"),
+    ("GC512", 1, 4, 10, "G4 X100000\nM30\n"),
+    ("GC514", 1, 5, 7, "M62 P40\nM30\n"),
+    ("GC601", 2, 1, 3, "O1\nM98 P1\nM99\n"),
+    ("GC603", 1, 1, 3, "M98 P9999\nM30\n"),
+    ("GC605", 1, 6, 7, "GOTO 77\nM30\n"),
+    ("GC605", 3, 6, 6, "N5 G0 X1\nN5 G0 X2\nGOTO 5\nM30\n"),
+    ("GC606", 1, 1, 3, "END1\nM30\n"),
+    ("GC607", 1, 1, 5, "WHILE [0 EQ 1] DO1\nM30\n"),
+    ("GC607", 1, 1, 18, "WHILE [1 EQ 1] DO1\nG0 X1\n"),
+    ("GC608", 1, 6, 7, "GOTO 10\nWHILE [0 EQ 1] DO1\nN10 G0 X1\nEND1\nM30\n"),
+    ("GC609", 1, 7, 10, "G0 X1 GOTO 5\nM30\n"),
+    ("GC610", 1, 4, 4, "IF #1 EQ 2 GOTO 5\nM30\n"),
+    ("GC611", 1, 1, 8, "o100 sub\nM30\n"),
+    ("GC612", 1, 1, 3, "M98\nM30\n"),
+    ("GC613", 1, 1, 3, "M98 P5\nM30\nO5\nM99\nO5\nM99\n"),
+    ("GC614", 1, 1, 3, "M17\nM30\n"),
+    ("GC616", 1, 1, 4, "L100 O10000\nM30\n"),
+    ("GC701", 1, 1, 5, "#2000=1\nM30\n"),
+    ("GC702", 1, 5, 6, "G0 X#5\nM30\n"),
+    ("GC703", 1, 5, 10, "G0 X#[1.5]\nM30\n"),
+    ("GC703", 1, 1, 1, "#-1=5\nM30\n"),
+    ("GC704", 1, 7, 8, "#1=5 X#1\nM30\n"),
+    ("GC705", 1, 1, 3, "CI1 = 3000000000\nM30\n"),
+    ("GC706", 1, 6, 8, "G0 X=abc\nM30\n"),
+    ("GC707", 1, 1, 4, "CI99=1\nM30\n"),
+    ("GC708", 1, 1, 6, "CI1000=1\nM30\n"),
+    ("GC709", 1, 37, 37, "G0 X[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[1]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]\nM30\n"),
+    ("GC710", 1, 7, 7, "G0 X[1/0]\nM30\n"),
+    ("GC710", 1, 5, 7, "X[1 MOD 0]\nM30\n"),
+    ("GC711", 1, 6, 9, "G0 X[SQRT[-1]]\nM30\n"),
+    ("GC712", 1, 10, 11, "#1=[10000**400]\nM30\n"),
+    ("GC713", 1, 5, 5, "G0 X[1+2\nM30\n"),
+    ("GC713", 1, 6, 6, "G0 X1]\nM30\n"),
+    ("GC714", 1, 8, 8, "G0 X[1+]\nM30\n"),
+    ("GC714", 1, 6, 6, "G0 X[]\nM30\n"),
+    ("GC715", 1, 6, 9, "G0 X[SINH[1]]\nM30\n"),
+    ("GC716", 1, 6, 9, "G0 X[ATAN[1]]\nM30\n"),
+    ("GC718", 1, 1, 2, "#1\nM30\n"),
+    ("GC718", 1, 1, 3, "CI5\nM30\n"),
+    ("GC719", 1, 5, 5, "G0 X\"a\"\nM30\n"),
+    ("GC801", 1, 7, 8, "G0 X1 V5\nM30\n"),
+    ("GW901", 1, 1, 10, "PART ABOUT\n%\nG0 X1\nM30\n"),
+    ("GW902", 4, 1, 4, "%\nM30\n%\nmore\n"),
+    ("GW903", 1, 1, 7, "%MPF 90\nG0 X1\nM30\n"),
+    ("GW905", 1, 4, 22, "G0 X1.2345678901234567\nM30\n"),
+    ("GW906", 1, 1, 6, "(a (b) c\nM30\n"),
+    ("GW907", 1, 1, 9, "(DEBUG,a)\nM30\n"),
+    ("GW908", 2, 1, 3, "N10 G0 X1\nN10 G0 X2\nM30\n"),
+    ("GW909", 1, 1, 5, "G0 X1\n"),
+    ("GW910", 1, 1, 2, "L5 O0\nM30\n%L5\nM17\n"),
+    ("GW911", 1, 7, 8, "G0 X1 L5\nM30\n%L5\nM17\n"),
+    ("GW912", 2, 1, 3, "G0 X1\nM99\n"),
+    ("GW913", 1, 5, 7, "G90 G90\nM30\n"),
+    ("GW914", 1, 1, 3, "G08\nM30\n"),
+    ("GW915", 1, 1, 3, "G09\nM30\n"),
+    ("GW917", 1, 1, 3, "G41 D1\nM30\n"),
+    ("GW918", 1, 9, 12, "G64 P.1 Q.01\nM30\n"),
+    ("GW920", 1, 7, 12, "G2 I5 K0.000 F100\nM30\n"),
+    ("GW921", 2, 1, 20, "G0 X10\nG3 X10 Y.003 I-5 F99\nM30\n"),
+    ("GW922", 1, 1, 20, "G2 X10.02 Y0 I5 F100\nM30\n"),
+    ("GW923", 1, 11, 16, "G2 X10 Y0 R4.996 F100\nM30\n"),
+    ("GW924", 1, 11, 12, "G2 X10 Y0 R5 F100\nM30\n"),
+    ("GW925", 1, 7, 12, "G1 X1 F90000\nM30\n"),
+    ("GW926", 1, 1, 1, "G1 X.01 F6000\nM30\n"),
+    ("GW927", 1, 8, 10, "G0 X=1+CI5\nM30\n"),
+    ("GW928", 1, 6, 7, "#1=5 #1=6\nM30\n"),
+    ("GW930", 1, 1, 3, "M88\nM30\n"),
+    ("GW931", 1, 1, 3, "M64 P1\nM30\n"),
+    ("GW932", 1, 4, 5, "G4 P1\nM30\n"),
+    ("GW933", 1, 1, 2, "G0\nM30\n"),
+    ("GW935", 1, 5, 6, "T99 M6\nM30\n"),
+];
+
+/// Ids of scenes that belong to others, or of what is not built; each with the reason.
+const ELSEWHERE: &[(&str, &str)] = &[
+    ("GC112", "reading files is the application's part"),
+    ("GC114", "the text is compiled from memory, it cannot change"),
+    ("GC312", "see radius_correction below"),
+    ("GC321", "cylinder mode is not built: G07.1 is GC305"),
+    ("GC322", "cylinder mode is not built"),
+    ("GC414", "cylinder mode is not built"),
+    ("GC513", "m.strict has no key in the machine file yet"),
+    ("GC515", "the machine file has no spindle limit yet"),
+    ("GC516", "option m6.needsT is not built"),
+    ("GC615", "option strictEnd is not built"),
+    ("GC617", "restart is not built"),
+    ("GC717", "see long_text below"),
+    ("GC803", "run time: the application checks references"),
+    ("GC804", "the machine file has no NFRAX yet"),
+    ("GC805", "run time: the application checks zero offsets"),
+    ("GC806", "run time: the application checks the loops"),
+    ("GC809", "run time: the kernel watches the spool memory"),
+    ("GC810", "run time: the application reads the error register"),
+    ("GW904", "integerIncrement has no key in the machine file yet"),
+    ("GW916", "option g33.asFeed is not built"),
+    ("GW919", "option g84.floating is not built"),
+    ("GW929", "texts of expressions are never that long"),
+];
+
+fn find<'c>(compiled: &'c Compiled, id: &str, line: u32) -> Option<&'c gcode::Diagnostic> {
+    compiled.diagnostics.iter().find(|d| d.id == id && d.line == line)
+}
+
+fn check(row: &Row, machine: &Machine, options: &Options) -> Option<String> {
+    let &(id, line, column, end, text) = row;
+    let compiled = compile(text.as_bytes(), "t.nc", machine, options);
+    let all: Vec<String> = compiled.diagnostics.iter().map(ToString::to_string).collect();
+    let Some(d) = find(&compiled, id, line) else { return Some(format!("{id} missing for {text:?}: {all:?}")) };
+    if (d.column, d.end_column) != (column, end) {
+        return Some(format!("{id} at {}..{} for {text:?}, expected {column}..{end}", d.column, d.end_column));
+    }
+    let others: Vec<&String> = all.iter().filter(|t| t.contains(": GC") && !t.contains(id)).collect();
+    if id.starts_with("GC") && !others.is_empty() {
+        return Some(format!("{id} with others for {text:?}: {others:?}"));
+    }
+    assert_eq!(compiled.program.is_none(), compiled.has_errors(), "{text:?}");
+    None
+}
+
+// shows: gcode.identifier-no-digits
+#[test]
+fn each_id_is_found_where_it_is() {
+    let wrong: Vec<String> = ON_MILL3.iter().filter_map(|row| check(row, &mill3(), &Options::default())).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn ids_that_need_another_machine_or_option() {
+    let mut seen = BTreeSet::new();
+    let mut expect = |row: Row, machine: &Machine, options: &Options| {
+        seen.insert(row.0);
+        assert_eq!(check(&row, machine, options), None);
+    };
+    let plain = Options::default();
+    let limits = |limits: Limits| Options { limits, ..Options::default() };
+    expect(("GC324", 1, 5, 7, "G81 A90 Z-1 R1 F10\nM30\n"), &example("mill4a"), &plain);
+    expect(("GC418", 1, 11, 13, "G2 X10 I5 A90 F10\nM30\n"), &example("mill4a"), &plain);
+    expect(("GC417", 1, 5, 6, "G18 G2 X10 R5 F10\nM30\n"), &example("xy-stepper"), &plain);
+    expect(("GC106", 1, 1, 1, "G0 X1\nM30\n"), &mill3(), &limits(Limits { bytes: 4, ..Limits::default() }));
+    let endless = "N1 #1=1\nWHILE [1 EQ 1] DO1\nG4 P2\nEND1\nM30\n";
+    let few = limits(Limits { blocks: 1000, ..Limits::default() });
+    let compiled = compile(endless.as_bytes(), "t.nc", &mill3(), &few);
+    assert!(compiled.diagnostics.iter().any(|d| d.id == "GC602"));
+    let mut excluded = example("mill4a");
+    excluded.axes[3].letter = None;
+    expect(("GC802", 1, 4, 5, "G0 A1\nM30\n"), &excluded, &plain);
+    let mut dead = mill3();
+    dead.gcode.trac_feed = 0.0;
+    expect(("GC807", 1, 1, 1, "G0 X1\nM30\n"), &dead, &plain);
+    let mut flat = example("mill4a");
+    flat.axes[3].effradius = 0.0;
+    expect(("GC808", 1, 1, 1, "G0 X1\nM30\n"), &flat, &plain);
+    let linuxcnc = Options { profile: Some(Profile::Linuxcnc), ..Options::default() };
+    expect(("GC604", 1, 1, 11, "o<a/b> call\nM30\n"), &mill3(), &linuxcnc);
+    expect(("GW934", 1, 1, 1, "G20 G0 X100\nM30\n"), &wide(), &plain);
+}
+
+/// A machine without software limits.
+fn wide() -> Machine {
+    let mut machine = mill3();
+    machine.axes.iter_mut().for_each(|a| a.limits = None);
+    machine
+}
+
+#[test]
+fn radius_correction() {
+    let mut machine = mill3();
+    machine.gcode.tools[0].radius = 4.0;
+    let row = ("GC312", 1, 1, 3, "G41 D1\nM30\n");
+    assert_eq!(check(&row, &machine, &Options::default()), None);
+}
+
+#[test]
+fn long_text() {
+    let text = format!("write \"{}\"\nM30\n", "x".repeat(513));
+    let compiled = common::run(&text);
+    assert_eq!(compiled.diagnostics[0].id, "GC717");
+}
+
+#[test]
+fn files_that_are_no_text() {
+    let id = |source: &[u8]| {
+        let compiled = compile(source, "t.nc", &mill3(), &Options::default());
+        assert_eq!(compiled.diagnostics.len(), 1, "{:?}", compiled.diagnostics);
+        (compiled.diagnostics[0].id, compiled.diagnostics[0].line, compiled.diagnostics[0].column)
+    };
+    assert_eq!(id(b""), ("GC113", 1, 1));
+    assert_eq!(id(b"\xFF\xFEG\x000\x00"), ("GC102", 1, 1));
+    assert_eq!(id(b"\x7fELF\x02\x01\x01\x00\x00\x00"), ("GC101", 1, 1));
+    let megabyte = vec![b'X'; 1 << 20];
+    assert_eq!(id(&[&b"G0 X1\n"[..], &megabyte, b"\nM30\n"].concat()), ("GC105", 2, 1025));
+}
+
+#[test]
+fn more_than_a_hundred_errors_stop() {
+    let compiled = common::run(&"G0 X700\n".repeat(300));
+    assert_eq!(compiled.diagnostics.iter().filter(|d| d.id == "GC413").count(), 100);
+    assert_eq!(compiled.diagnostics.last().map(|d| (d.id, d.line)), Some(("GC111", 101)));
+}
+
+#[test]
+fn every_id_is_shown_or_its_absence_explained() {
+    let here = include_str!("catalogue.rs");
+    let mut missing = Vec::new();
+    for (_, id, ..) in CATALOGUE {
+        let uses = here.matches(&format!("\"{id}\"")).count();
+        let explained = ELSEWHERE.iter().any(|row| row.0 == *id);
+        if uses == 0 || explained && uses > 3 {
+            missing.push(*id);
+        }
+    }
+    assert!(missing.is_empty(), "{missing:?}");
+    for (id, reason) in ELSEWHERE {
+        println!("{id}: {reason}");
+    }
+}

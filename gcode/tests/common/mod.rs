@@ -1,0 +1,96 @@
+//! What the tests of this crate share.
+#![allow(dead_code)] // each test binary uses a part of it
+
+use gcode::{Compiled, Options, compile};
+use motion_kernel::autocode::{Instr, MoveKind, Program};
+use motion_kernel::machine::Machine;
+
+pub fn mill3() -> Machine {
+    Machine::builtin()
+}
+
+pub fn example(name: &str) -> Machine {
+    let path = format!("{}/../examples/machines/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    Machine::parse(&std::fs::read(path).expect("the example machine")).expect("a valid machine file")
+}
+
+pub fn run(text: &str) -> Compiled {
+    compile(text.as_bytes(), "t.nc", &mill3(), &Options::default())
+}
+
+/// Compiles and insists on no error.
+pub fn program(text: &str) -> Program {
+    program_for(text, &mill3(), &Options::default())
+}
+pub fn program_for(text: &str, machine: &Machine, options: &Options) -> Program {
+    let compiled = compile(text.as_bytes(), "t.nc", machine, options);
+    let errors: Vec<String> =
+        compiled.diagnostics.iter().filter(|d| !d.is_warning()).map(ToString::to_string).collect();
+    assert!(errors.is_empty(), "{text}\n{errors:#?}");
+    compiled.program.expect("no error, so there is a program")
+}
+
+/// A command of a program, flat: easy to write down as expectation.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    Line { line: u32, to: Vec<f64>, vl: f64, tvl: f64, rapid: bool },
+    Arc { line: u32, axes: Vec<usize>, to: Vec<f64>, center: [f64; 2], phi: f64, vl: f64, tvl: f64 },
+    Ssf { line: u32, axes: Vec<usize>, command: u16, value: f64 },
+    Event { line: u32, kind: String, text: String },
+    Drain(u32),
+    Text(String),
+    Other(Instr),
+}
+
+pub fn commands(program: &Program) -> Vec<Command> {
+    let each = |(instr, line): (&Instr, &u32)| match *instr {
+        Instr::Spool(n) => {
+            let mv = &program.moves[n as usize];
+            let (line, to) = (*line, program.targets_of(mv).to_vec());
+            if mv.kind == MoveKind::Smla {
+                Command::Line { line, to, vl: mv.vl, tvl: mv.tvl, rapid: mv.rapid }
+            } else {
+                let axes = program.axes_of(mv).iter().collect();
+                Command::Arc { line, axes, to, center: mv.center, phi: mv.phi, vl: mv.vl, tvl: mv.tvl }
+            }
+        }
+        Instr::Ssf(n) => {
+            let ssf = &program.ssfs[n as usize];
+            if ssf.command == 198 {
+                let event = &program.events[ssf.value as usize - 1];
+                return Command::Event { line: event.line, kind: event.kind.clone(), text: event.text.clone() };
+            }
+            Command::Ssf { line: *line, axes: ssf.axes.iter().collect(), command: ssf.command, value: ssf.value }
+        }
+        Instr::Drain(_) => Command::Drain(*line),
+        Instr::WriteText(n) => Command::Text(program.texts[n as usize].clone()),
+        other => Command::Other(other),
+    };
+    program.code.iter().zip(&program.lines).map(each).collect()
+}
+
+/// Only the motion commands.
+pub fn motions(program: &Program) -> Vec<Command> {
+    let all = commands(program).into_iter();
+    all.filter(|c| matches!(c, Command::Line { .. } | Command::Arc { .. })).collect()
+}
+
+/// End points of all motion commands, in the order of the machine's axes.
+pub fn ends(program: &Program) -> Vec<Vec<f64>> {
+    let end = |mv: &motion_kernel::autocode::Move| {
+        let mut pairs: Vec<(usize, f64)> = program.axes_of(mv).iter().zip(program.targets_of(mv).to_vec()).collect();
+        pairs.sort_by_key(|p| p.0);
+        pairs.into_iter().map(|p| p.1).collect()
+    };
+    program.moves.iter().map(end).collect()
+}
+
+/// Every point of the path as programmed: passed-over points and end points.
+pub fn points(program: &Program) -> Vec<Vec<f64>> {
+    let mut all = Vec::new();
+    for (mv, end) in program.moves.iter().zip(ends(program)) {
+        all.extend(program.vias_of(mv).iter().map(|v| program.via_targets(mv, v).to_vec()));
+        all.push(end);
+    }
+    all
+}
