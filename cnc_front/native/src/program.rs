@@ -87,7 +87,8 @@ fn facts_dict<'py>(py: Python<'py>, compiled: &Compiled, machine: &machine::Mach
     dict.set_item("blocks", facts.blocks)?;
     dict.set_item("motion_blocks", facts.motion_blocks)?;
     dict.set_item("tools", facts.tools.clone())?;
-    dict.set_item("modal", facts.modal.clone())?;
+    let modal: Vec<(u32, &str)> = facts.modal.iter().map(|m| (m.0, facts.modal_texts[m.1 as usize].as_str())).collect();
+    dict.set_item("modal", modal)?;
     dict.set_item("feeds", facts.feeds.clone())?;
     dict.set_item("more_warnings", compiled.more_warnings)?;
     let extents = PyDict::new(py);
