@@ -42,12 +42,21 @@ def _load(path: str, options: argparse.Namespace) -> CompiledJob:
 
 def run(options: argparse.Namespace) -> int:
     """`cnc-front run`."""
+    from cnc_front.interrupt import interruptible
+
+    with interruptible() as interrupted:
+        return _run(options, interrupted)
+
+
+def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     from cnc_front import outputs
+    from cnc_front.progress import Progress
     from cnc_front.run import RunOptions
     from cnc_front.schedule import parse_schedule
 
     language = language_from(options.lang)
-    run_options = RunOptions(parse_schedule(options.override), options.max_time)
+    progress = Progress(language, quiet=options.quiet)
+    run_options = RunOptions(parse_schedule(options.override), options.max_time, interrupted, progress)
     inputs = [options.job, options.machine or ""]
     record = outputs.check_recording(options.record, inputs) if options.record else None
     report = outputs.check_report(options.report, inputs) if options.report else None
@@ -66,6 +75,7 @@ def run(options: argparse.Namespace) -> int:
     from cnc_front.deliver import run_and_write
 
     result, verdict, run_object = run_and_write(job, run_options, options.tolerance, record, report, language)
+    progress.end()
     if options.json:
         print(json.dumps(run_object, allow_nan=False))
     else:

@@ -24,6 +24,7 @@ class End(StrEnum):
     FAULT = "fault"
     TASK_ERROR = "task_error"
     TIME_LIMIT = "time_limit"
+    INTERRUPTED = "interrupted"
 
 
 @dataclass(frozen=True, slots=True)

@@ -85,9 +85,10 @@ def read_bytes(path: str, limit: int, id: str) -> bytes:
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
     except OSError as error:
         raise _cannot_read(path, id, error.strerror or str(error)) from None
+    if not stat.S_ISREG(os.fstat(handle).st_mode):
+        os.close(handle)
+        raise _cannot_read(path, id, "not a regular file")
     with os.fdopen(handle, "rb") as file:
-        if not stat.S_ISREG(os.fstat(handle).st_mode):
-            raise _cannot_read(path, id, "not a regular file")
         data = file.read(limit + 1)
     if len(data) > limit:
         raise CompileError([Diagnostic(path, 1, 1, 1, "GC106", f"file larger than {limit >> 20} MiB", "split the job")])

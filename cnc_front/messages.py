@@ -38,6 +38,7 @@ TEXTS: dict[str, tuple[str, str]] = {
         "the recording ends at {t_s:.3f} s, before its result",
         "die Aufzeichnung endet bei {t_s:.3f} s, vor ihrem Ergebnis",
     ),
+    "running": ("running, machine time {seconds:.0f} s", "läuft, Maschinenzeit {seconds:.0f} s"),
     "interrupted": ("interrupted", "abgebrochen"),
     "time": ("machine time", "Maschinenzeit"),
     "path": ("path", "Bahn"),

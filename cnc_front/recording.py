@@ -93,7 +93,10 @@ class Recorded:
 
 
 def open_recording(path: str) -> Recorded:
-    """Reads up to the first samples. Raises OSError, or CompileError for a file that is no recording of ours."""
+    """Reads up to the first samples. Raises CompileError for a file that is no recording of ours."""
+    if not Path(path).is_file():
+        reason = "not a regular file" if Path(path).exists() else "file not found"
+        raise CompileError([_unreadable(path, reason)])
     reader = native.Reader(path)
     found: dict[str, Any] = {}
     first = None
@@ -107,13 +110,17 @@ def open_recording(path: str) -> Recorded:
         sequence = _unpack(found[SEQUENCE])
         job, machine, metadata = found[JOB], found[MACHINE].decode(), found["run"]
     except (ValueError, KeyError, UnicodeDecodeError) as error:
-        reason = f"cannot be read as a recording: {error if isinstance(error, ValueError) else f'no {error}'}"
-        hint = "give a file written by run --record"
-        raise CompileError([Diagnostic(path, 1, 1, 1, "CF401", reason, hint)]) from None
+        reason = str(error) if isinstance(error, ValueError) else f"no {error}"
+        raise CompileError([_unreadable(path, reason)]) from None
     recorded = Recorded(path, job, machine, sequence, metadata, _reader=reader, _first=first)
     if RESULT in found:
         recorded.result = json.loads(found[RESULT])
     return recorded
+
+
+def _unreadable(path: str, reason: str) -> Diagnostic:
+    message, hint = f"cannot be read as a recording: {reason}", "give a file written by run --record"
+    return Diagnostic(path, 1, 1, 1, "CF401", message, hint)
 
 
 def _pack(sequence: dict[str, NDArray[Any]]) -> bytes:

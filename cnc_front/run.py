@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -44,7 +43,10 @@ class RunOptions:
 
     schedule: Schedule = ((0.0, 1.0),)
     max_time_s: float = 86400.0
-    progress: Callable[[float, float], None] | None = None
+    #: asked after every chunk: the user wants the run to end here
+    interrupted: Callable[[], bool] = lambda: False
+    #: told after every chunk how far the run is
+    progress: Callable[[Execution], None] = lambda execution: None
 
 
 @dataclass(slots=True)
@@ -58,11 +60,10 @@ class RunResult:
     path: native_paths.Path
     tracker: native_paths.Tracker
     wall_time_s: float
-    out_of_time: bool = field(default=False)
 
     @property
     def status(self) -> str:
-        """completed, stopped (fault, time limit) or failed (runtime error)."""
+        """completed, stopped (fault, time limit, interrupted) or failed (runtime error)."""
         if self.execution.end is End.FINISHED:
             return "completed"
         return "failed" if self.execution.end is End.TASK_ERROR else "stopped"
@@ -71,7 +72,7 @@ class RunResult:
 def dry_run(
     job: CompiledJob, options: RunOptions, sink: Sink | None = None, watcher: Watcher | None = None
 ) -> RunResult:
-    """Runs a compiled job to its end, a fault, or the time limit, and measures it against its programmed path."""
+    """Runs a compiled job to its end, or until something stops it, and measures it against its path."""
     begun = time.monotonic()
     path = native_paths.Path(job.program.sequence())
     execution = Execution(job, options.schedule, options.max_time_s)
@@ -91,9 +92,10 @@ def dry_run(
                 sink.write(execution, chunk, deviation)
             if watcher is not None:
                 watcher.add(deviation)
-        if time.monotonic() - begun > options.max_time_s:
-            execution.end = execution.end or End.TIME_LIMIT
-        if options.progress is not None:
-            options.progress(execution.machine_time_s, math.nan)
+        options.progress(execution)
+        if execution.end is None and options.interrupted():
+            execution.end = End.INTERRUPTED
+        if execution.end is None and time.monotonic() - begun > options.max_time_s:
+            execution.end = End.TIME_LIMIT
     wall = time.monotonic() - begun
     return RunResult(job, options, execution, tracker.finish(), path, tracker, wall)

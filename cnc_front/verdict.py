@@ -38,7 +38,8 @@ def judge(result: RunResult, tolerance_mm: float | None) -> Verdict:
     limit = tolerance_mm if tolerance_mm is not None else result.job.machine.machine.tolerance_mm
     stopped = _why_stopped(result)
     if stopped is not None:
-        return Verdict("FAIL", (stopped, *_findings(result, limit)), Exit.STOPPED, limit)
+        code = Exit.INTERRUPTED if result.execution.end is End.INTERRUPTED else Exit.STOPPED
+        return Verdict("FAIL", (stopped, *_findings(result, limit)), code, limit)
     findings = _findings(result, limit)
     if findings:
         return Verdict("FAIL", findings, Exit.CHECK_FAILED, limit)
@@ -59,6 +60,8 @@ def _why_stopped(result: RunResult) -> Reason | None:
         return Reason("fault", {"axis": "", "name": "", "line": 0, **where})
     if execution.end is End.TIME_LIMIT:
         return Reason("time_limit", {"seconds": result.options.max_time_s})
+    if execution.end is End.INTERRUPTED:
+        return Reason("interrupted", {})
     return None
 
 
@@ -199,7 +202,7 @@ def _error(result: RunResult) -> dict[str, Any] | None:
         return None
     from cnc_front.messages import text
 
-    ids = {"task_error": "CF301", "fault": "CF302", "time_limit": "CF303"}
+    ids = {"task_error": "CF301", "fault": "CF302", "time_limit": "CF303", "interrupted": "CF304"}
     failed = stopped.id == "task_error"
     return {
         "id": ids[stopped.id],
