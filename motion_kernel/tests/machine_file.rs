@@ -109,6 +109,13 @@ fn nineteen_axes_are_too_many() {
     assert_eq!(Machine::parse(text.as_bytes()).expect("18 axes are allowed").axes.len(), 18);
 }
 
+#[test]
+fn the_page_about_machine_files_is_current() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/machine-file.md");
+    let page = std::fs::read_to_string(path).expect("docs/machine-file.md");
+    assert!(page == motion_kernel::machine::machine_reference(), "write the page again, its head says how");
+}
+
 proptest! {
     #[test]
     fn no_bytes_make_the_reader_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
