@@ -51,3 +51,40 @@ fn an_overtuned_loop_diverges_and_mpe_sees_it() {
     assert!(overrun(30.0));
     assert!(!overrun(1.0));
 }
+
+/// mill3 with the settings of a G-code run; the load side of X and Y at every sample of what `spool` enters.
+fn load_path(spool: impl Fn(&mut motion_kernel::Mcu)) -> Vec<[f64; 2]> {
+    let mut mcu = motion_kernel::Mcu::new(std::sync::Arc::new(Machine::builtin()));
+    mcu.prepare_gcode();
+    spool(&mut mcu);
+    let trace = run(&mut mcu);
+    (0..trace.len()).map(|k| [trace.load[3 * k], trace.load[3 * k + 1]]).collect()
+}
+
+#[test]
+fn mill3_stays_on_a_circle_at_its_feed_limit() {
+    let path = load_path(|mcu| {
+        let entered = arc(mcu, [10.0, 0.0], 720.0, &[0.0], 100.0, 1000.0, 0.0);
+        assert_eq!(entered, motion_kernel::functions::Entered::Yes);
+    });
+    let worst = path.iter().map(|[x, y]| ((x - 10.0).hypot(*y) - 10.0).abs()).fold(0.0, f64::max);
+    assert!(worst < 3e-3, "{worst} mm off the circle");
+}
+
+#[test]
+fn mill3_keeps_its_tolerance_at_corners() {
+    let path = load_path(|mcu| {
+        line(mcu, &[30.0, 0.0, 0.0], 100.0, 1000.0, 100.0);
+        line(mcu, &[30.0, 30.0, 0.0], 100.0, 1000.0, 100.0);
+        line(mcu, &[0.0, 30.0, 0.0], 100.0, 1000.0, 0.0);
+    });
+    let off = |[x, y]: &[f64; 2]| {
+        let to = |x0: f64, x1: f64, y0: f64, y1: f64| (x - x.clamp(x0, x1)).hypot(y - y.clamp(y0, y1));
+        to(0.0, 30.0, 0.0, 0.0).min(to(30.0, 30.0, 0.0, 30.0)).min(to(0.0, 30.0, 30.0, 30.0))
+    };
+    let worst = path.iter().map(off).fold(0.0, f64::max);
+    let tolerance = Machine::builtin().tolerance_mm;
+    assert!(worst < tolerance / 2.0, "{worst} mm off at the corners");
+    let end = path.last().expect("samples");
+    assert!(end[0].hypot(end[1] - 30.0) < Machine::builtin().axes[0].ipw, "ends at {end:?}");
+}
