@@ -25,11 +25,11 @@ const CUT_END: f64 = 1e-9;
 impl Mcu {
     /// Feed hold: all axes brake along their contours, tasks stand; [`Mcu::resume`] goes on. Idempotent.
     pub fn hold(&mut self) {
-        if self.holding {
+        if self.holding && !self.block_hold {
             return;
         }
-        self.holding = true;
-        self.told.held = false;
+        self.remove_marks();
+        (self.holding, self.block_hold, self.told.held) = (true, false, false);
         let axes = self.all_axes();
         self.stop_contours(axes, Behind::Kept);
     }
@@ -39,11 +39,17 @@ impl Mcu {
         if !self.holding {
             return;
         }
-        self.holding = false;
+        (self.holding, self.block_hold) = (false, false);
         for axis in &mut self.axes {
             if axis.spooler.state == SpoolState::Held {
                 axis.spooler.state = SpoolState::Running;
             }
+        }
+        self.remove_marks();
+    }
+
+    fn remove_marks(&mut self) {
+        for axis in &mut self.axes {
             while let Some(mark) = axis.spooler.entries().iter().position(|e| *e == Entry::HoldPoint) {
                 axis.spooler.remove(mark);
             }
@@ -68,7 +74,7 @@ impl Mcu {
         }
         let axes = self.all_axes();
         self.ms(axes);
-        self.holding = false;
+        (self.holding, self.block_hold) = (false, false);
         self.told = crate::mcu::Told::default();
     }
 
@@ -283,7 +289,7 @@ impl Mcu {
 
 impl Axis {
     /// Index of the first entry behind the move `slot`; 0 if the axis is executing it.
-    fn after(&self, slot: u32) -> usize {
+    pub(crate) fn after(&self, slot: u32) -> usize {
         let at = self.spooler.entries().iter().position(|e| matches!(e, Entry::Move { slot: s, .. } if *s == slot));
         at.map_or(0, |index| index + 1)
     }

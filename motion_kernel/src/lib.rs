@@ -7,6 +7,7 @@
 pub mod autocode;
 pub mod axes;
 pub mod axis;
+mod blocks;
 pub mod controller;
 mod cycle;
 mod direct;

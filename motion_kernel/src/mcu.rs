@@ -109,6 +109,8 @@ pub struct Mcu {
     /// Courses of the command being spooled.
     pub(crate) components: Vec<Component>,
     pub(crate) holding: bool,
+    /// The hold is at the end of a block (blocks.rs).
+    pub(crate) block_hold: bool,
     pub(crate) told: Told,
     /// Samples for which all axes have been in position after the end; needed and longest wait for it.
     pub(crate) settled: u32,
@@ -157,6 +159,7 @@ impl Mcu {
             components: Vec::with_capacity(MAX_AXES),
             pending: Vec::with_capacity(crate::direct::MOST_PENDING),
             holding: false,
+            block_hold: false,
             told: Told::default(),
             settled: 0,
             ended: 0,
@@ -240,7 +243,7 @@ impl Mcu {
             self.told.acknowledge = true;
             return Some(Stop::Acknowledge { command });
         }
-        if self.holding && !self.told.held && self.stands() {
+        if self.holding && !self.told.held && self.rests() {
             self.told.held = true;
             return Some(Stop::Held);
         }
@@ -261,6 +264,12 @@ impl Mcu {
         self.axes
             .iter()
             .all(|a| !matches!(a.doing, Doing::Move(_) | Doing::Alone) && a.run_on_v == 0.0 && a.pending == 0)
+    }
+
+    /// No axis travels, waits or is about to take an entry.
+    fn rests(&self) -> bool {
+        let busy = |a: &Axis| matches!(a.doing, Doing::Wait(_)) || a.spooler.state == SpoolState::Running;
+        self.stands() && !self.axes.iter().any(busy)
     }
 
     fn is_finished(&mut self) -> bool {

@@ -1,8 +1,10 @@
 //! Random contours, and whether set points lie on them: geometry of its own, shared with nobody.
 
-use super::{arc, line};
 use motion_kernel::Mcu;
+use motion_kernel::autocode::MoveKind;
+use motion_kernel::axes::AxisList;
 use motion_kernel::functions::Entered;
+use motion_kernel::motion::MotionCommand;
 use motion_kernel::trace::Trace;
 use proptest::prelude::*;
 
@@ -83,14 +85,18 @@ fn point(start: &Point, shape: &Shape, share: f64) -> Point {
     }
 }
 
-/// Spools block `n`; false when there is no room.
+/// Spools block `n`, two of them to a source line; false when there is no room.
 pub fn enter(mcu: &mut Mcu, placed: &[Placed], n: usize) -> bool {
     let Placed { start, end, block } = &placed[n];
     let tvl = if block.goes_on && n + 1 < placed.len() { block.vl } else { 0.0 };
-    let entered = match block.shape {
-        Shape::Line(_) => line(mcu, end, block.vl, block.ac, tvl),
-        Shape::Arc(c, phi, _) => arc(mcu, [start[0] + c[0], start[1] + c[1]], phi, &[end[2]], block.vl, block.ac, tvl),
+    let (kind, center, phi) = match block.shape {
+        Shape::Line(_) => (MoveKind::Smla, [0.0; 2], 0.0),
+        Shape::Arc(c, phi, _) => (MoveKind::Smha, [start[0] + c[0], start[1] + c[1]], phi),
     };
+    let (axes, line) = (AxisList::new(&[0, 1, 2]), n as u32 / 2 + 1);
+    let &Block { vl, ac, .. } = block;
+    let command = MotionCommand { kind, axes: &axes, targets: end, center, phi, vl, ac, tvl, rapid: false, line };
+    let entered = mcu.spool(&command);
     assert!(matches!(entered, Entered::Yes | Entered::Full), "{entered:?}");
     entered == Entered::Yes
 }
