@@ -390,6 +390,19 @@ impl Translator<'_> {
             }
         }
     }
+    /// `#3000 = n (text)` is an alarm, `#3006 = n (text)` a stop with a text.
+    pub fn alarm(&mut self, block: &Block, text: &str) {
+        for a in &block.assignments {
+            let kind = match a.variable {
+                Variable::Hash(3000) => "ALARM",
+                Variable::Hash(3006) => "STOP",
+                _ => continue,
+            };
+            self.sink.stop();
+            self.sink.event(self.line, kind, &format!("{} {text}", number_text(a.value)));
+            self.wait(spool::HALT, 0.0);
+        }
+    }
     /// `write` and `writeln`: the task puts out the text when the motion before it is done.
     pub fn write(&mut self, statement: &Statement) {
         let Statement::Write { items, line } = statement else { return };

@@ -12,6 +12,7 @@ use crate::flow::{Files, Flows, Turn};
 use crate::parser;
 use crate::seen::Numbers;
 use crate::source::{check_length, check_text};
+use crate::statements::head_length;
 use crate::translate::{Flow, Translator};
 use crate::variables::Variables;
 
@@ -159,7 +160,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             self.any_block = true;
             return;
         }
-        if first == b'%' {
+        if first == b'%' || first | 0x20 == b'n' && is_numbered_mark(text) {
             return self.tape_mark(line, text);
         }
         self.read(line, text, block);
@@ -175,7 +176,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             variables: &self.variables,
             system: &system,
             angle_names: self.t.dialect.oword,
-            dry: self.mode != Mode::Run,
+            dry: self.mode != Mode::Run || self.is_deleted(text),
         };
         parser::parse(text, &env, &self.t.dialect, block, &mut self.faults);
     }
@@ -203,6 +204,13 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         }
         self.execute(line, text, block);
     }
+    /// Block delete is on for this line: its form is checked, its values are not.
+    fn is_deleted(&self, text: &[u8]) -> bool {
+        let head = &text[..head_length(text)];
+        let Some(at) = head.iter().position(|b| *b == b'/') else { return false };
+        let level = head.get(at + 1).filter(|b| b.is_ascii_digit()).map_or(1, |b| b - b'0');
+        self.t.options.block_delete & 1 << level != 0
+    }
     fn is_skipped(&self, block: &Block) -> bool {
         block.skip.is_some_and(|level| self.t.options.block_delete & 1 << level != 0)
     }
@@ -220,7 +228,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         let result = if block.program.is_none() && block.statement.is_none() && block.assignments.is_empty() {
             self.t.execute(block)
         } else {
-            self.execute_special(block)
+            self.execute_special(block, text)
         };
         self.begun = true;
         match result {
@@ -247,7 +255,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         }
     }
     /// Program numbers, assignments and statements.
-    fn execute_special(&mut self, block: &mut Block) -> crate::diagnostics::Check<Flow> {
+    fn execute_special(&mut self, block: &mut Block, text: &[u8]) -> crate::diagnostics::Check<Flow> {
         if block.program.is_some() {
             if self.begun {
                 self.next_program();
@@ -260,6 +268,8 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         if !block.assignments.is_empty() {
             self.t.sink.flush();
             self.t.assign(block, &mut self.variables);
+            let note = block.comment.map_or(&b""[..], |c| &text[c.start as usize..c.end as usize]);
+            self.t.alarm(block, crate::source::decode(note).trim());
         }
         match block.statement.take() {
             Some(crate::block::Statement::Done) => Ok(Flow::Next),
@@ -350,7 +360,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
 
     /// `%`: start of the program, its end, or the start of another one.
     fn tape_mark(&mut self, line: u32, text: &[u8]) {
-        let trimmed = text.trim_ascii();
+        let trimmed = text[head_length(text)..].trim_ascii();
         let name = trimmed[1..].trim_ascii();
         let span = Span::new(0, text.len());
         if !self.begun && !self.ended && !self.flows.starts_subprogram(name) {
@@ -436,6 +446,11 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             self.report(1, b" ", &Fault::with(Id::GW934, Span::new(0, 1), &[&format!("{reach:.1}")]));
         }
     }
+}
+
+/// `N890 %`, as Mach3 ends a tape.
+fn is_numbered_mark(text: &[u8]) -> bool {
+    text.trim_ascii_end().ends_with(b"%") && text[head_length(text)..].trim_ascii() == b"%"
 }
 
 /// Read-only system variables: #5021.. machine, #5041.. program position, #4001.. modal groups.

@@ -182,6 +182,7 @@ impl Sink {
     }
 
     fn write(&mut self, motion: Motion, vias: (u32, u32)) {
+        self.merged.max_mm = self.merged.max_mm.max(motion.slack);
         let mut vl = motion.vl;
         let least = LEAST_SAMPLES * self.sample;
         if motion.length < least * vl {

@@ -285,8 +285,8 @@ impl<'a> Translator<'a> {
     fn length_correction(&mut self, block: &Block) -> Check<()> {
         let Some(g) = block.code_of(Group::LengthCorrection) else { return Ok(()) };
         let mut length = 0.0;
+        self.used |= bit(b'H');
         if g.code.tenths != 490 {
-            self.used |= bit(b'H');
             let number = block.integer(b'H').unwrap_or(self.state.modal.in_spindle);
             let tool = self.machine.gcode.tools.iter().find(|t| t.number == number);
             let missing = || Fault::with(Id::GC509, block.word(b'H').map_or(g.span, |w| w.span), &[&number]);

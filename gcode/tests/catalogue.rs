@@ -202,7 +202,6 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("GC321", "cylinder mode is not built: G07.1 is GC305"),
     ("GC322", "cylinder mode is not built"),
     ("GC414", "cylinder mode is not built"),
-    ("GC513", "m.strict has no key in the machine file yet"),
     ("GC515", "the machine file has no spindle limit yet"),
     ("GC516", "option m6.needsT is not built"),
     ("GC615", "option strictEnd is not built"),
@@ -214,7 +213,6 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("GC806", "run time: the application checks the loops"),
     ("GC809", "run time: the kernel watches the spool memory"),
     ("GC810", "run time: the application reads the error register"),
-    ("GW904", "integerIncrement has no key in the machine file yet"),
     ("GW916", "option g33.asFeed is not built"),
     ("GW919", "option g84.floating is not built"),
     ("GW929", "texts of expressions are never that long"),
@@ -275,6 +273,12 @@ fn ids_that_need_another_machine_or_option() {
     expect(("GC808", 1, 1, 1, "G0 X1\nM30\n"), &flat, &plain);
     let linuxcnc = Options { profile: Some(Profile::Linuxcnc), ..Options::default() };
     expect(("GC604", 1, 1, 11, "o<a/b> call\nM30\n"), &mill3(), &linuxcnc);
+    let mut strict = mill3();
+    strict.gcode.dialect.strict_m = Some(true);
+    expect(("GC513", 1, 1, 3, "M88\nM30\n"), &strict, &plain);
+    let mut classic = mill3();
+    classic.gcode.dialect.integer_increment = Some(0.001);
+    expect(("GW904", 1, 1, 1, "G0 X1000\nM30\n"), &classic, &plain);
     expect(("GW934", 1, 1, 1, "G20 G0 X100\nM30\n"), &wide(), &plain);
 }
 

@@ -387,3 +387,19 @@ fn facts_for_the_operator() {
     assert_eq!(facts.modal_at(2), "G0 G17 G90 G21 G94 G40 G49 G64 G54");
     assert_eq!(facts.modal_at(4), "G2 G17 G90 G21 G94 G40 G49 G64 G54");
 }
+
+#[test]
+fn alarms_of_macros_stop_with_their_text() {
+    let text = "#1=1\nIF [#1 EQ 2] THEN #3000=7 (NOT THIS)\nIF [#1 EQ 1] THEN #3000=15 (TOOL LIFE EXPIRED)\nM30\n";
+    let found = functions(text);
+    assert_eq!(found[..2], [event(3, "ALARM", "15 TOOL LIFE EXPIRED"), ssf(3, &[0, 1, 2], 1000, 0.0)]);
+}
+
+#[test]
+fn a_deleted_block_is_only_read() {
+    let options = Options { block_delete: 1 << 1, ..Options::default() };
+    let program = program_for("/ #1=[1/0]\n/G0 X#7\nG0 X5\nM30\n", &common::mill3(), &options);
+    assert_eq!(common::ends(&program), [[5.0, 0.0, 0.0]]);
+    let compiled = gcode::compile(b"/G0 X(\nM30\n", "t.nc", &common::mill3(), &options);
+    assert!(compiled.has_errors());
+}
