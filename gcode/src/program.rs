@@ -396,8 +396,12 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
                 found = Some(line);
                 break;
             }
-            self.read(line, text, block);
-            let bad = self.faults.iter().any(|f| !f.id.is_warning());
+            // a line that is too long is not worth parsing
+            let too_long = check_length(text).is_err();
+            if !too_long {
+                self.read(line, text, block);
+            }
+            let bad = too_long || self.faults.iter().any(|f| !f.id.is_warning());
             self.faults.clear();
             if !bad && (block.has_any(AXIS_LETTERS | mask("TSF")) || !block.g.is_empty() || !block.m.is_empty()) {
                 break;

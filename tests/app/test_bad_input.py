@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import socket
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -40,6 +41,13 @@ def assert_diagnosed(err: str, path: Path, id: str) -> None:
     assert all(int(m["line"]) >= 1 and int(m["column"]) >= 1 for m in found)
     assert any(m["id"].startswith(id) for m in found), err[:2000]
     assert "hint:" in err
+
+
+def test_a_line_of_1_mb_costs_nothing(cli: Cli, job: Callable[..., Path]) -> None:
+    path = job(JOBS["line of 1 MB"][0])
+    begun = time.monotonic()
+    cli("check", path)
+    assert time.monotonic() - begun < 5.0
 
 
 @pytest.mark.parametrize("name", JOBS)
