@@ -1,0 +1,107 @@
+"""Recordings: the stock MCAP reader opens them, a cut one yields its first part, the same run gives the same bytes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mcap.exceptions import McapError
+from mcap.reader import NonSeekingReader, make_reader
+
+from cnc_front.execution import Execution
+from cnc_front.jobs import CompileOptions, compile_job, load_machine, read_job
+from cnc_front.recording import open_recording
+from tests.app.conftest import ROOT, Cli
+
+CAM = ROOT / "examples/jobs/cam.nc"
+
+
+@pytest.fixture(scope="module")
+def recorded(cli: Cli, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict]:
+    """A recording of the cam with an override schedule, and the object of its run."""
+    path = tmp_path_factory.mktemp("recording") / "cam.mcap"
+    ran = cli("run", CAM, "--record", path, "--override", "0:1,5:0.5,9:1.2", "--json")
+    assert ran.code == 0
+    return path, ran.object
+
+
+def test_the_stock_reader_reads_it(recorded: tuple[Path, dict]) -> None:
+    path, run = recorded
+    with path.open("rb") as file:
+        reader = make_reader(file)
+        summary = reader.get_summary()
+        assert summary is not None and summary.statistics is not None
+        topics = {channel.topic: channel for channel in summary.channels.values()}
+        assert set(topics) == {"/columns", "/state", "/events"}
+        assert summary.schemas[topics["/state"].schema_id].encoding == "jsonschema"
+        assert [a.name for a in reader.iter_attachments()] == ["job", "machine.toml", "sequence.npz", "result.json"]
+        times, worst = [], 0.0
+        for _, _, message in reader.iter_messages(topics=["/state"]):
+            state = json.loads(message.data)
+            times.append(message.log_time)
+            worst = max(worst, state["deviation_um"])
+            assert set(state["axes"]) == {"X", "Y", "Z"}
+    assert times == sorted(times)
+    assert times[-1] == pytest.approx(run["machine_time_s"] * 1e9, rel=1e-3)
+    assert worst == pytest.approx(run["deviation"]["actual"]["max_mm"] * 1e3, abs=1e-3)
+
+
+def test_its_columns_are_the_samples_of_the_run(recorded: tuple[Path, dict]) -> None:
+    path, run = recorded
+    job = compile_job(read_job(str(CAM)), load_machine(None), CompileOptions())
+    execution = Execution(job, ((0.0, 1.0), (5.0, 0.5), (9.0, 1.2)))
+    chunks = []
+    while (chunk := execution.advance(50_000)) is not None:
+        chunks.append(chunk)
+    for name in ("dp", "load", "rp", "factor", "line", "entry"):
+        wanted = np.concatenate([getattr(chunk, name) for chunk in chunks])
+        found = np.concatenate([columns[name] for columns in open_recording(str(path)).columns()])
+        assert np.array_equal(wanted, found), name
+    assert len(wanted) == run["samples"]
+
+
+def test_a_cut_recording_yields_its_first_part(recorded: tuple[Path, dict], tmp_path: Path) -> None:
+    path, run = recorded
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(path.read_bytes()[: path.stat().st_size * 2 // 3])
+    ours = open_recording(str(cut))
+    samples = sum(len(columns["flags"]) for columns in ours.columns())
+    assert 0.3 * run["samples"] < samples < run["samples"]
+    assert ours.damage and ours.job == CAM.read_bytes() and ours.result is None
+    messages = 0
+    with cut.open("rb") as file, pytest.raises(McapError):
+        for _ in NonSeekingReader(file).iter_messages(log_time_order=False):
+            messages += 1
+    assert messages > 100
+
+
+def test_the_same_run_gives_the_same_bytes_but_for_the_result(
+    cli: Cli, tmp_path: Path, job: Callable[..., Path]
+) -> None:
+    part = job("G1 X10 F600\nG3 X10 I-3 J0\nM30\n")
+    for name in ("a", "b"):
+        assert cli("run", part, "--record", tmp_path / f"{name}.mcap").code == 0
+    a, b = (list(open_recording(str(tmp_path / f"{n}.mcap")).columns()) for n in ("a", "b"))
+    assert len(a) == len(b)
+    assert all(np.array_equal(x[k], y[k]) for x, y in zip(a, b, strict=True) for k in x)
+
+
+@pytest.mark.parametrize("content", [b"", b"G0 X1\n", b"\x89MCAP0\r\n", bytes(range(256)) * 40])
+def test_what_is_no_recording_is_refused(cli: Cli, tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "no.mcap"
+    path.write_bytes(content)
+    ran = cli("report", path, tmp_path / "report")
+    assert ran.code == 2
+    assert f"{path}:1:1: CF401:" in ran.err and "hint:" in ran.err
+    assert not (tmp_path / "report").exists()
+
+
+def test_events_tell_what_the_program_announced(recorded: tuple[Path, dict]) -> None:
+    recording = open_recording(str(recorded[0]))
+    for _ in recording.columns():
+        pass
+    kinds = [event["name"] for event in recording.events if event["kind"] == "host"]
+    assert kinds.count("M06") == 3 and kinds[-1] == "M30"

@@ -1,0 +1,138 @@
+"""Reports: the page shows the figures of the JSON, a recording gives the same ones, a job cannot break the page."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from tests.app.conftest import ROOT, Cli
+
+BRACKET = ROOT / "examples/jobs/bracket.nc"
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+
+
+class Page(HTMLParser):
+    """Texts by id, script data, and everything that would be loaded from elsewhere."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.texts: dict[str, str] = {}
+        self.links: list[str] = []
+        self.tags: list[str] = []
+        self._open: str | None = None
+        self.feed(html)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        values = dict(attrs)
+        self.tags.append(tag)
+        self._open = values.get("id") or None
+        self.links += [str(values[name]) for name in ("src", "href") if name in values]
+
+    def handle_endtag(self, tag: str) -> None:
+        self._open = None
+
+    def handle_data(self, data: str) -> None:
+        if self._open:
+            self.texts[self._open] = self.texts.get(self._open, "") + data
+
+
+@pytest.fixture(scope="module")
+def reported(cli: Cli, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict]:
+    """Folder with `run.mcap`, the report `run` of the run and `again` of its recording; and the object of the run."""
+    folder = tmp_path_factory.mktemp("report")
+    ran = cli("run", BRACKET, "--record", folder / "run.mcap", "--report", folder / "run", "--json")
+    assert ran.code == 0
+    assert cli("report", folder / "run.mcap", folder / "again").code == 0
+    return folder, ran.object
+
+
+def figures(folder: Path) -> dict:
+    """report.json without what differs from run to run."""
+    value = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    assert value["schema"] == "cnc-front/report/1"
+    value.pop("run")
+    return value
+
+
+def test_a_recording_gives_the_same_report(reported: tuple[Path, dict]) -> None:
+    folder, _ = reported
+    assert figures(folder / "run") == figures(folder / "again")
+    assert (folder / "run/blocks.csv").read_bytes() == (folder / "again/blocks.csv").read_bytes()
+
+
+def test_the_page_shows_the_figures_of_the_run(reported: tuple[Path, dict]) -> None:
+    folder, run = reported
+    page = Page((folder / "run/report.html").read_text(encoding="utf-8"))
+    assert float(page.texts["fig-actual"]) == pytest.approx(run["deviation"]["actual"]["max_mm"] * 1e3, abs=0.05)
+    assert float(page.texts["fig-time"]) == pytest.approx(run["machine_time_s"], abs=0.005)
+    assert float(page.texts["fig-feed"]) == pytest.approx(run["feed"]["programmed_reached_pct"], abs=0.05)
+    inside = json.loads(page.texts["figures"])["result"]
+    assert inside["deviation"] == run["deviation"] and inside["verdict"]["word"] == "PASS"
+    data = json.loads(page.texts["data"])
+    highest = max(v for v in data["length"]["actualUm"][1] if v is not None)
+    assert highest == pytest.approx(run["deviation"]["actual"]["max_mm"] * 1e3, rel=1e-5), "no peak is lost"
+
+
+def test_the_page_stands_alone(reported: tuple[Path, dict]) -> None:
+    folder, _ = reported
+    html = (folder / "run/report.html").read_text(encoding="utf-8")
+    assert Page(html).links == []
+    assert not re.search(r"https?://|@import|url\(", html)
+    assert len(html) < 2 << 20
+    assert sorted(p.name for p in (folder / "run/png").iterdir()) == ["path-xy.png", "path-xz.png", "path-yz.png"]
+
+
+def test_blocks_add_up(reported: tuple[Path, dict]) -> None:
+    folder, run = reported
+    with (folder / "run/blocks.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert sum(float(r["length_mm"]) for r in rows) == pytest.approx(run["path_length_mm"], rel=1e-4)
+    assert max(float(r["max_um"]) for r in rows if r["max_um"]) == pytest.approx(
+        run["deviation"]["actual"]["max_mm"] * 1e3, rel=1e-4
+    )
+    worst = max((r for r in rows if r["max_um"]), key=lambda r: float(r["max_um"]))
+    assert int(worst["line"]) == run["deviation"]["actual"]["worst"]["line"]
+
+
+def test_the_text_of_a_job_cannot_break_the_page(cli: Cli, job: Callable[..., Path], tmp_path: Path) -> None:
+    hostile = "G1 X10 F600 (</script><script>alert(1)</script><img src=x onerror=alert(2)> & \u2028)\nM30\n"
+    ran = cli("run", job(hostile, "a<b>&.nc"), "--report", tmp_path / "report")
+    assert ran.code == 0
+    html = (tmp_path / "report/report.html").read_text(encoding="utf-8")
+    page = Page(html)
+    assert page.tags.count("script") == 3 and "img" not in page.tags
+    assert "alert(1)" in json.loads(page.texts["data"])["blocks"][0]["text"]
+
+
+def test_a_cut_recording_gives_a_report_that_says_so(reported: tuple[Path, dict], tmp_path: Path, cli: Cli) -> None:
+    whole = (reported[0] / "run.mcap").read_bytes()
+    (tmp_path / "cut.mcap").write_bytes(whole[: len(whole) // 2])
+    assert cli("report", tmp_path / "cut.mcap", tmp_path / "report").code == 0
+    value = figures(tmp_path / "report")
+    assert value["note"] and value["result"]["status"] == "stopped"
+    assert value["result"]["verdict"]["word"] == "FAIL"
+    assert 0 < value["result"]["machine_time_s"] < reported[1]["machine_time_s"]
+
+
+def test_the_page_speaks_german(cli: Cli, job: Callable[..., Path], tmp_path: Path) -> None:
+    assert cli("run", job("G1 X10 F600\nM30\n"), "--report", tmp_path / "r", "--lang", "de").code == 0
+    html = (tmp_path / "r/report.html").read_text(encoding="utf-8")
+    assert '<html lang="de">' in html and "Bahnabweichung" in html and "Schleppfehler" in html
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
+def test_its_script_runs_in_a_browser_without_complaint(reported: tuple[Path, dict]) -> None:
+    assert CHROMIUM is not None
+    options = ["--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--virtual-time-budget=3000"]
+    page = (reported[0] / "run/report.html").as_uri()
+    done = subprocess.run([CHROMIUM, *options, "--dump-dom", page], capture_output=True, text=True, timeout=120)
+    assert not [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+    assert done.stdout.count("<tr>") > 100, "the table of blocks was filled"
