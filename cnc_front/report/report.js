@@ -80,7 +80,7 @@ function pathView() {
   const { points, lines, rapid, um } = data.path, n = lines.length, hover = document.getElementById("path-hover"), help = hover.textContent;
   const magnify = document.getElementById("magnify"), pairs = [];
   for (let a = 0; a < Math.min(3, points.length); a++) for (let b = a + 1; b < Math.min(3, points.length); b++) pairs.push([a, b]);
-  let view = pairs[0] || [0, 0], scale = null, centre = null, found = -1;
+  let view = pairs[0] || [0, 0], scale = null, centre = null, found = -1, touched = false;
   const fit = (width, height) => {
     const range = view.map((a) => points[a].reduce(([l, h], v) => [Math.min(l, v), Math.max(h, v)], [Infinity, -Infinity]));
     centre = range.map(([l, h]) => (l + h) / 2);
@@ -88,7 +88,7 @@ function pathView() {
   };
   const screen = (i, width, height) => [width / 2 + (points[view[0]][i] - centre[0]) * scale, height / 2 - (points[view[1]][i] - centre[1]) * scale];
   const { canvas, redraw } = surface("path", (c, width, height) => {
-    if (scale === null) fit(width, height);
+    if (scale === null || !touched) fit(width, height);
     const factor = +magnify.value;
     for (const name of ["todo", "good", "warn", "bad"]) {
       c.strokeStyle = colour(name); c.lineWidth = name === "bad" ? 2.4 : 1.3; c.beginPath();
@@ -109,7 +109,7 @@ function pathView() {
     c.textAlign = "right"; c.fillText(data.axes[view[0]] + " →", width - 8, height - 8); c.textBaseline = "top"; c.textAlign = "left"; c.fillText((data.axes[view[1]] || "") + " ↑", 8, 8);
     if (found > 0) { const [x, y] = screen(found, width, height); c.beginPath(); c.arc(x, y, 5, 0, 7); c.stroke(); }
   });
-  const again = () => { scale = null; redraw(); };
+  const again = () => { touched = false; redraw(); };
   for (const pair of pairs) {
     const button = document.createElement("button");
     button.textContent = pair.map((a) => data.axes[a]).join(""); button.setAttribute("aria-pressed", pair === view);
@@ -120,11 +120,12 @@ function pathView() {
   canvas.addEventListener("dblclick", again);
   canvas.addEventListener("wheel", (e) => {
     e.preventDefault();
+    touched = true;
     const zoom = Math.exp(-e.deltaY / 400), dx = (e.offsetX - canvas.clientWidth / 2) / scale, dy = -(e.offsetY - canvas.clientHeight / 2) / scale;
     centre = [centre[0] + dx * (1 - 1 / zoom), centre[1] + dy * (1 - 1 / zoom)]; scale *= zoom; redraw();
   }, { passive: false });
   canvas.addEventListener("pointermove", (e) => {
-    if (e.buttons) { centre = [centre[0] - e.movementX / scale, centre[1] + e.movementY / scale]; return redraw(); }
+    if (e.buttons) { touched = true; centre = [centre[0] - e.movementX / scale, centre[1] + e.movementY / scale]; return redraw(); }
     let best = 12 ** 2, at = -1;
     for (let i = 1; i < n; i++) { const [x, y] = screen(i, canvas.clientWidth, canvas.clientHeight), d = (x - e.offsetX) ** 2 + (y - e.offsetY) ** 2; if (d < best) { best = d; at = i; } }
     if (at === found) return;
@@ -171,8 +172,8 @@ surface("histogram", (c, width, height) => {
   counts.forEach((count, i) => {
     const h = (height - 46) * Math.sqrt(count / total), x = 12 + i * w;
     c.fillStyle = colour(grade(upTo[i] === null ? Infinity : upTo[i])); c.fillRect(x + 1, height - 24 - h, w - 2, h);
-    c.fillStyle = colour("soft"); c.textAlign = "center"; c.textBaseline = "top"; c.fillText(upTo[i] === null ? ">" : "≤" + upTo[i], x + w / 2, height - 20);
-    if (count) { c.textBaseline = "bottom"; c.fillText((100 * count / total).toPrecision(2) + "%", x + w / 2, height - 25 - h); }
+    c.fillStyle = colour("soft"); c.textAlign = "center"; c.textBaseline = "top"; if (w > 34 || i % 3 === 0) c.fillText(upTo[i] === null ? ">" : "≤" + upTo[i], x + w / 2, height - 20);
+    if (count && w > 34) { c.textBaseline = "bottom"; c.fillText((100 * count / total).toPrecision(2) + "%", x + w / 2, height - 25 - h); }
   });
 });
 const filter = table("blocks", [["line", "N"], ["text", words.text, "text"], ["length_mm", words.length], ["time_s", words.block_time], ["programmed_mm_min", words.f_prog], ["mean_mm_min", words.f_mean], ["max_mm_min", words.f_max], ["max_um", words.max_um], ["rms_um", words.rms_um]], data.blocks);
