@@ -35,6 +35,7 @@ class SimRun:
         self.deviation_max_line = 0
         self.flags = 0
         self.entry = 0
+        self.line = 0  # the last one that moved: a held spooler has none
         self._settle = 0
 
     @property

@@ -63,9 +63,10 @@ def snapshot(loaded: LoadedJob, run: SimRun | None, operator: Operator, language
         return _before_start(loaded, operator)
     status = run.execution.mcu.status()
     run.entry = status["entry"] or run.entry
+    run.line = status["line"] or run.line
     state, why = _state(run)
     # at a block end the program stands before the block that comes next
-    line = run.execution.mcu.rdcncts(0)[3] if state is State.STEP else status["line"]
+    line = run.execution.mcu.rdcncts(0)[3] if state is State.STEP else run.line
     factor = status["factor"]
     feed = loaded.fact("feeds", line) or 0.0
     return Snapshot(

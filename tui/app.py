@@ -1,435 +1,469 @@
-"""The operator's terminal. It shows what the engine reports and passes wishes on; nothing here moves an axis."""
+"""The application: passes what the engine reports to the widgets and what the operator wants to the engine."""
 
 from __future__ import annotations
 
-import contextlib
-import signal
 import time
-from pathlib import Path
-from typing import ClassVar, TypeVar
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+from typing import ClassVar
 
-import numpy as np
-from rich.style import Style
+from textual import events
 from textual.app import App, ComposeResult
 from textual.binding import Binding
-from textual.containers import Container
-from textual.widget import Widget
+from textual.strip import Strip
+from textual.theme import Theme
 from textual.widgets import Input
 
 from cnc_front.diagnostics import Diagnostic
-from cnc_front.engine import Engine, Job, Snapshot, State
+from cnc_front.engine import Engine, Job
 from cnc_front.errors import CompileError, UsageError
-from tui import lines
-from tui.dialogs import Ask, Page
-from tui.lines import Shown
-from tui.looks import Line, palette
-from tui.raster import Raster, grades
-from tui.widgets import Lines, PathPlotView, ProgramView
-from tui.words import Say
+from tui.dialogs import Question
+from tui.frame import header, key_row, message_row, small_row
+from tui.keys import KEYS, SETTLE_S
+from tui.look import Look
+from tui.messages import Messages
+from tui.operation import HIGH, LOW, Operation
+from tui.page import VIEWS, Areas, Parts, run_page, value_rows
+from tui.panels import Changes, Check, alarm_rows, files_beginning, help_rows, jobs_rows, service_rows
+from tui.plot import PathPicture
+from tui.program import ProgramView, find_block
+from tui.rows import Row
+from tui.states import FACES
+from tui.values import Shown
+from tui.widgets import Body, PathField, Rows
+from tui.words import Words
 
-W = TypeVar("W", bound=Widget)
-REFRESH_HZ = 10
-#: Seconds that a reset stays armed.
-ARMED_S = 3.0
-SPEEDS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 0.0)
-OVERRIDES = (0.05, 2.0)
-VIEWS = ("both", "path", "values")
-MINIMUM = (80, 24)
+REFRESH_S = 0.1
+#: Values older than this are stale.
+STALE_S = 1.0
+SMALLEST = (80, 24)
+#: Rows of header, message line and key line.
+FRAME = 3
 
 
-class Terminal(App[int]):
-    """The Run screen and its dialogs."""
+@dataclass(frozen=True, slots=True)
+class Switches:
+    """Options of compilation that the header shows."""
 
-    CSS_PATH = "terminal.tcss"
+    optional_stop: bool = False
+    skip: bool = False
+
+
+class Terminal(App[None]):
+    """The operator's terminal."""
+
     ENABLE_COMMAND_PALETTE = False
-    ESCAPE_TO_MINIMIZE = False
+    AUTO_FOCUS = None  # a text field gets keys only when the operator went there
+    CSS = """
+    Screen { layout: vertical; overflow: hidden; }
+    Rows { height: 1; width: 100%; }
+    #body { height: 1fr; }
+    #path { display: none; height: 1; border: none; padding: 0 1; background: $background; color: $foreground; }
+    #path:focus { border: none; }
+    """
     BINDINGS: ClassVar = [
-        Binding("space", "hold_key(' ')", priority=True),
-        Binding("escape", "hold_key('')", priority=True),
-        Binding("ctrl+x", "arm_reset", priority=True),
-        Binding("ctrl+q", "ask_quit", priority=True),
-        ("r", "start"), ("t", "step"), ("b", "single_block"),
-        ("plus", "override(0.05)"), ("minus", "override(-0.05)"), ("asterisk", "override(0)"),
-        ("equals_sign", "ask_override"), ("full_stop", "speed(1)"), ("comma", "speed(-1)"),
-        ("v", "view"), ("f", "fit"), ("z", "zoom(1.5)"), ("Z", "zoom(0.6667)"),
-        ("up", "scroll(-1)"), ("down", "scroll(1)"), ("pageup", "scroll(-15)"), ("pagedown", "scroll(15)"),
-        ("g", "ask_line"), ("n", "next_message"),
-        ("f1", "help"), ("question_mark", "help"), ("f2", "ask_job"), ("o", "ask_job"), ("f3", "run_screen"),
-        ("f6", "alarms"), ("enter", "confirm"),
-    ]  # fmt: skip
+        Binding(key.keys, key.action, key.english, show=False, priority=key.everywhere) for key in KEYS
+    ]
 
-    def __init__(self, engine: Engine, *, language: str = "en", theme: str = "dark", glyphs: str = "quadrant",
-                 job: str | None = None, clock: bool = True) -> None:  # fmt: skip
-        """`job` is loaded at once; it never starts by itself."""
-        super().__init__()
-        self.engine = engine
-        self.say = Say(language)
+    def __init__(
+        self,
+        engine: Engine,
+        look: Look,
+        words: Words,
+        *,
+        job: str | None = None,
+        switches: Switches | None = None,
+        clock: Callable[[], datetime] = datetime.now,
+        paced: bool = True,
+        settle_s: float = SETTLE_S,
+    ) -> None:
+        """`paced`: draws by itself at 10 Hz; tests call `tick` instead. `clock`: the time of day."""
+        super().__init__(ansi_color=look.name == "mono")
+        if look.background:
+            back, front = look.background, look.foreground
+            dark = look.name == "dark"
+            theme = Theme("cnc-front", primary=front, foreground=front, background=back, surface=back, dark=dark)
+            self.register_theme(theme)
+            self.theme = theme.name
+        else:
+            self.theme = "ansi-dark"
+        self.engine, self.look, self.words, self.clock = engine, look, words, clock
+        self._first_job, self._paced, self._settle_s = job, paced, settle_s
+        self.switches = switches or Switches()
+        self.messages = Messages(words)
+        self.operation = Operation(engine, words, self.say)
+        self.picture, self.program = PathPicture(look), ProgramView(look)
         self.job: Job | None = None
-        self._first_job = job
-        self._looks_theme = theme
-        self._looks: dict[str, Style] = palette(theme)
-        self._glyphs = glyphs
-        self._clock = clock
-        self._view = "both"
-        self._driven = 0
-        self._armed_until = 0.0
-        self._messages: list[tuple[str, str]] = [(self.say("estop"), "soft")]
-        self._message_at = 0
-        self._last: Snapshot | None = None
-        self._last_change = 0.0
-        self._alarms_seen = 0
-        self._asked = _Asked()
-
-    # ---- layout
+        self.check = Check()
+        self.page, self.view = "run", "both"
+        self.areas = Areas()
+        self._changes = Changes()
+        self._top = 0
+        self._files: list[str] = []
+        self._file = 0
+        self._seen = (engine.snapshot(), time.monotonic())
+        self._beat, self._pulse_s = time.monotonic(), REFRESH_S
+        self._key_at = 0.0
+        self._ticks = 0
+        self._values: tuple[object, list[Strip]] = (None, [])
 
     def compose(self) -> ComposeResult:
-        """Header, values, program, path, message and key line."""
-        self.add_class(f"theme-{self._looks_theme}")
-        yield Lines("header", self._looks)
-        with Container(id="body"):
-            yield Lines("values", self._looks)
-            yield ProgramView(self._looks)
-            yield PathPlotView(self._looks)
-        yield Lines("message", self._looks)
-        yield Lines("keys", self._looks, "panel")
+        """Header, body, message line and key line stay in place on all pages."""
+        yield Rows(self.look.bar, "header")
+        yield PathField(id="path", compact=True, select_on_focus=False)
+        yield Body(self.look.text, "body")
+        yield Rows(self.look.text, "message")
+        yield Rows(self.look.bar, "keys")
 
     def on_mount(self) -> None:
-        """Connects the lines to the engine and begins to look at it."""
-        self._find("#header", Lines).source = lambda width: [self._header(width)]
-        self._find("#values", Lines).source = lambda width: lines.values(self._shown(), width)
-        self._find("#message", Lines).source = lambda width: [self._message_line()]
-        self._find("#keys", Lines).source = lambda width: [lines.keys(self._shown(), width)]
-        with contextlib.suppress(AttributeError, ValueError):  # no SIGHUP here, or not the main thread
-            signal.signal(signal.SIGHUP, self._hang_up)
-        self._layout()
-        self.set_interval(1 / REFRESH_HZ, self.look)
+        """First frame, first job."""
+        self.screen.set_focus(None)
         if self._first_job is not None:
             self.load(self._first_job)
+        if self._paced:
+            self.set_interval(REFRESH_S, self._beat_once)
+        self.tick()
 
-    def on_resize(self) -> None:
-        """Another size may mean another layout."""
-        self._layout()
+    # ---- drawing
 
-    @property
-    def _wide(self) -> bool:
-        return self.size.width >= 110 and self.size.height >= 34
+    def _beat_once(self) -> None:
+        """Draws, unless the terminal has not yet taken the frame before (a slow line)."""
+        now = time.monotonic()
+        self._pulse_s += 0.3 * (now - self._beat - self._pulse_s)
+        self._beat = now
+        writer = getattr(getattr(self._driver, "_writer_thread", None), "_queue", None)
+        if writer is None or writer.empty():
+            self.tick()
 
-    def _layout(self) -> None:
-        small = self.size.width < MINIMUM[0] or self.size.height < MINIMUM[1]
-        for name, on in (("wide", self._wide), ("small", small), *((f"view-{v}", v == self._view) for v in VIEWS)):
-            self.screen_stack[0].set_class(on, name)
-        body, program, plot = self._find("#body", Container), self._find(ProgramView), self._find(PathPlotView)
-        # the grid is filled in order: wide, the plot stands beside both; narrow, right of the program
-        if self._wide:
-            body.move_child(plot, before=program)
-        else:
-            body.move_child(plot, after=program)
-        self.call_after_refresh(self.look)
+    def shown(self) -> Shown:
+        """What the engine reports now, and how old that is."""
+        snapshot, now = self.engine.snapshot(), time.monotonic()
+        if snapshot is not self._seen[0]:
+            self._seen = (snapshot, now)
+        age = now - self._seen[1]
+        stale = age if self._paced and age > STALE_S else 0.0
+        return Shown(snapshot, self.job, self.look, self.words, stale, self._pulse_s)
 
-    def _find(self, selector: str | type[W], kind: type[W] | None = None) -> W:
-        """A widget of the Run screen, also while a dialog stands before it."""
-        base = self.screen_stack[0]
-        return base.query_one(selector, kind) if kind is not None else base.query_one(selector)  # type: ignore[arg-type,return-value]
-
-    def _shown(self) -> Shown:
-        stale = self._last is not None and time.monotonic() - self._last_change > 1.0
-        moving = self._last is not None and self._last.state in (State.RUNNING, State.HOLDING)
-        clock = time.strftime("%H:%M:%S") if self._clock else ""
-        return Shown(self.engine.snapshot(), self.job, self.say, self._wide, stale and moving, clock)
-
-    def _header(self, width: int) -> Line:
-        shown = self._shown()
-        if width < MINIMUM[0] or self.size.height < MINIMUM[1]:
-            symbol, style, word = self.say.state(shown.snapshot.state.value)
-            alarms = f"! {len(shown.snapshot.alarms)} "
-            return [(f"[SIM] {symbol} {word} ", style), (alarms, "bad"), ("SPACE " + self.say("key_hold"), "inverse"),
-                    (" " + self.say("too_small"), "warn")]  # fmt: skip
-        return lines.header(shown, width)
-
-    # ---- looking at the engine
-
-    def look(self) -> None:
-        """Takes over what the engine reports now; changed regions are drawn."""
-        snapshot = self.engine.snapshot()
-        if snapshot != self._last:
-            self._last, self._last_change = snapshot, time.monotonic()
-        program = self._find(ProgramView)
-        program.cursor = snapshot.line
-        if self.job is not None and snapshot.deviation_max_mm > self.job.tolerance_mm:
-            program.mark(snapshot.deviation_max_line, f"!{snapshot.deviation_max_mm * 1e3:.1f}um")
-        self._take_alarms(snapshot)
-        self._draw_path(snapshot)
-        if self._armed_until and time.monotonic() > self._armed_until:
-            self._armed_until = 0.0
-        for name in ("header", "values", "message", "keys"):
-            self._find(f"#{name}", Lines).update()
-
-    def _take_alarms(self, snapshot: Snapshot) -> None:
-        for alarm in snapshot.alarms[self._alarms_seen :]:
-            place = f"{alarm.axis} {self.say('line')} {alarm.line}" if alarm.line else alarm.axis
-            self.tell(f"{alarm.code} {place} {alarm.text}", "bad")
-        self._alarms_seen = len(snapshot.alarms)
-
-    def _draw_path(self, snapshot: Snapshot) -> None:
-        plot = self._find(PathPlotView)
-        if plot.raster is None or self.job is None:
+    def tick(self) -> None:
+        """Draws one frame."""
+        if not self.is_running or not self.screen_stack:
             return
-        reached, values = self.engine.new_deviation(self._driven)
-        first = self._driven if reached >= self._driven else 0
-        if reached < self._driven:
-            plot.raster.reset()
-        changed = len(values) > 0 or reached < self._driven
-        # the vertex being approached may still grow worse: it is drawn again next time
-        self._driven = max(0, reached - 1)
-        plot.raster.drive(first, grades(np.asarray(values), self.job.tolerance_mm))
-        where = {axis.name: axis.actual for axis in snapshot.axes}
-        tool = (where.get(self.job.plot.axes[0], 0.0), where.get(self.job.plot.axes[1], 0.0))
-        if changed or tool != plot.tool:
-            plot.tool = tool
-            plot.redraw()
-        self._title(plot, plot.raster)
+        self._ticks += 1
+        shown, base = self.shown(), self.screen_stack[0]
+        if self.job is not None:
+            self.picture.driven(*self.engine.new_deviation(self.picture.reached))
+        self.messages.watch(shown, self.clock())
+        width, height = self.size
+        small = width < SMALLEST[0] or height < SMALLEST[1]
+        text, style, more = self.messages.current(shown, self.operation.is_armed)
+        top, body = base.query_one("#header", Rows), base.query_one(Body)
+        if small:
+            top.put([small_row(shown, 0, width)])
+            body.put([Row(self.look.text).strip(width)])
+        else:
+            top.put([self._header(shown, width)])
+            body.put(self._body(shown, width, height - FRAME - (self.page == "jobs")))
+        line = message_row(text, getattr(self.look, style), self.look, self.words, more, width)
+        base.query_one("#message", Rows).put([line])
+        base.query_one("#keys", Rows).put([key_row(self.look, self.words, width)])
 
-    def _title(self, plot: PathPlotView, raster: Raster) -> None:
-        assert self.job is not None
-        axes, tolerance = "".join(self.job.plot.axes[:2]), self.job.tolerance_mm * 1e3
-        by = f"   {self.say('by_deviation')}" if self._wide else ""
-        plot.title = [(f"{self.say('path')} {axes}{by}", "soft")]
-        plot.legend = [
-            (f". {self.say('todo')}  ", "todo"), (f"- <={tolerance / 2:g}  ", "good"), (f"* <={tolerance:g}  ", "warn"),
-            (f"# >{tolerance:g} um  ", "bad"), (f"@ {self.say('tool')}", "text"),
-            (f"  {self.say('col')} {raster.view.mm_per_column:.3g} mm" if self._wide else "", "soft"),
-        ]  # fmt: skip
+    def _header(self, shown: Shown, width: int) -> Strip:
+        on = self.switches
+        switches = (("M01", on.optional_stop), ("SKP", on.skip), ("SB", shown.snapshot.single_block))
+        warnings = len(self.job.warnings) + bool(self.picture.over) if self.job else 0
+        return header(shown, switches, warnings, self.clock(), width)
 
-    # ---- messages
+    def _body(self, shown: Shown, width: int, height: int) -> list[Strip]:
+        if self.page == "run":
+            parts = Parts(shown, self.picture, self.program)
+            rows, self.areas = run_page(parts, self._numbers(shown, width, height), self.view, width, height)
+            return rows
+        self.areas = Areas()
+        if self.page == "jobs":
+            return self._cut(jobs_rows(shown, self._files, self._file, self.check, width, height), width, height)
+        if self.page == "help":
+            rows = help_rows(self.look, self.words, width)
+        elif self.page == "alarms":
+            rows = alarm_rows(shown, self.messages.log, width)
+        else:
+            rows = service_rows(shown, self._changes, time.monotonic(), width)
+        self._top = max(0, min(self._top, len(rows) - height))
+        return self._cut(rows[self._top :], width, height)
 
-    def tell(self, text: str, style: str = "text") -> None:
-        """A new message; it shows at once."""
-        self._messages.append((text, style))
-        del self._messages[:-200]
-        self._message_at = len(self._messages) - 1
+    def _cut(self, rows: list[Strip], width: int, height: int) -> list[Strip]:
+        return rows[:height] + [Row(self.look.text).strip(width)] * (height - len(rows))
 
-    def _message_line(self) -> Line:
-        snapshot = self.engine.snapshot()
-        if self._armed_until:
-            return [(f" ! {self.say('reset_armed')}", "warn_inverse")]
-        if self.job is None and len(self._messages) == 1:
-            return [(" " + self.say("no_job"), "text")]
-        if snapshot.message and self._message_at == len(self._messages) - 1 and self._messages[-1][1] != "bad":
-            return [(f" {snapshot.message}", "text")]
-        text, style = self._messages[self._message_at]
-        more = (
-            f"   {self._message_at + 1}/{len(self._messages)} {self.say('details')}" if len(self._messages) > 1 else ""
-        )
-        room = max(0, self.size.width - len(more) - 1)
-        return [(f" {text}"[:room].ljust(room), style), (more, "soft")]
+    def _numbers(self, shown: Shown, width: int, height: int) -> list[Strip]:
+        """Numbers change at most at 5 Hz: faster nobody reads them; a change of state shows at once."""
+        s = shown.snapshot
+        key = (s.state, s.override_set, len(s.axes), shown.job, self.view, width, height, bool(shown.stale_s))
+        if self._values[0] != key or self._ticks % 2 or not self._paced:
+            self._values = (key, value_rows(shown, self.view, width, height))
+        return self._values[1]
 
-    def action_next_message(self) -> None:
-        """Goes through the messages."""
-        self._message_at = (self._message_at + 1) % len(self._messages)
-        self.look()
+    def say(self, text: str) -> None:
+        """Puts a message into the message line and the log."""
+        self.messages.say(text, self.clock())
 
-    # ---- jobs
+    # ---- loading, in a worker
 
     def load(self, path: str) -> None:
-        """Compiles a job in a worker; no motion starts."""
-        self.tell(self.say("loading", name=Path(path).name), "soft")
+        """Compiles a job beside the screen; it replaces the loaded one if it has no errors."""
+        if self.operation.is_underway:
+            self.say(self.words("job_busy"))
+            return
+        self.say(self.words("loading", name=path[-50:]))
         self.run_worker(lambda: self._load(path), thread=True, exclusive=True, group="load")
 
     def _load(self, path: str) -> None:
         try:
             job = self.engine.load(path)
         except CompileError as error:
-            self.call_from_thread(self._refuse, [_one_line(d) for d in error.diagnostics])
+            self.call_from_thread(self._refused, path, error.diagnostics)
         except (UsageError, OSError) as error:
-            self.call_from_thread(self._refuse, [str(error)])
+            self.call_from_thread(self.say, f"{path}: {error}")
         else:
             self.call_from_thread(self._take, job)
 
-    def _refuse(self, texts: list[str]) -> None:
-        for text in reversed(texts[:50]):
-            self.tell(text, "bad")
-
     def _take(self, job: Job) -> None:
-        self.job, self._driven, self._alarms_seen = job, 0, 0
-        self._find(ProgramView).show(job.lines)
-        raster = Raster(np.ascontiguousarray(job.plot.points[:, :2]), job.plot.rapid, self._glyphs)
-        self._find(PathPlotView).show(raster)
-        for warning in reversed(job.warnings[:50]):
-            self.tell(warning, "warn")
-        counts = {"name": job.name, "lines": len(job.lines), "warnings": len(job.warnings)}
-        self.tell(self.say("loaded", **counts), "text")
-        self._layout()
+        self.job, self.check = job, Check(job.name, job)
+        self.picture.take(job)
+        self.program.take(job.lines)
+        total = self.engine.snapshot().path_total_mm
+        self.say(self.words("loaded", name=job.name, lines=len(job.lines), path=total))
+        self.tick()
 
-    # ---- wishes of the operator
+    def _refused(self, path: str, findings: tuple[Diagnostic, ...]) -> None:
+        self.check = Check(path, None, findings)
+        errors = [finding for finding in findings if not finding.is_warning] or list(findings)
+        if errors:
+            first = errors[0]
+            place = f"{first.file}:{first.line}:{first.column}:"
+            more = f" {self.words('more_errors', n=len(errors) - 1)}" if len(errors) > 1 else ""
+            self.say(self.words("load_failed", id=first.id, place=place, text=f"{first.message}{more}"))
+        self.tick()
 
-    def action_hold_key(self, text: str) -> None:
-        """Space and Esc. In a text field Space is a blank; Esc leaves the dialog and holds."""
-        if text and isinstance(self.focused, Input):
-            self.focused.insert_text_at_cursor(text)
-            return
-        self.engine.hold()
-        if not text and len(self.screen_stack) > 1:
-            self.pop_screen()
-        if self.engine.snapshot().state in (State.RUNNING, State.HOLDING, State.WAITING):
-            self.tell(self.say("held"), "warn")
-        self._armed_until = 0.0
-        self.look()
+    # ---- keys: motion
+
+    async def on_event(self, event: events.Event) -> None:
+        """Remembers when a key was pressed, so that motion keys that waited too long can be dropped."""
+        if isinstance(event, events.Key):
+            self._key_at = event.time
+        await super().on_event(event)
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """In a text field Space is a blank; Tab belongs to the jobs page; questions take only what is everywhere."""
+        if action == "hold":
+            return not isinstance(self.focused, Input)
+        if action == "complete":
+            return self.page == "jobs" and len(self.screen_stack) == 1
+        if action in {"reset", "ask_quit"}:
+            return len(self.screen_stack) == 1
+        return True
+
+    def action_hold(self) -> None:
+        """Feed hold."""
+        self.operation.hold()
+
+    def action_escape(self) -> None:
+        """Feed hold, and out of where one is."""
+        self.operation.hold()
+        if isinstance(self.screen, Question):
+            self.screen.dismiss(None)
+        elif self.page != "run":
+            self.action_show("run")
 
     def action_start(self) -> None:
-        """r: start, or go on."""
-        self._find(ProgramView).follow()
-        if self.engine.snapshot().state in (State.HOLD, State.HOLDING, State.STEP, State.STOPPED):
-            self.engine.resume()
-        else:
-            self.engine.start()
-        self.look()
+        """Cycle start or resume."""
+        self.program.choose(0)
+        self.operation.start(time.monotonic() - self._key_at)
 
     def action_step(self) -> None:
-        """t."""
-        self._find(ProgramView).follow()
-        self.engine.step()
+        """One block."""
+        self.program.choose(0)
+        self.operation.step(time.monotonic() - self._key_at)
 
     def action_single_block(self) -> None:
-        """b."""
-        self.engine.set_single_block(not self.engine.snapshot().single_block)
+        """Single block on or off."""
+        self.operation.toggle_single_block()
 
-    def action_override(self, change: float) -> None:
-        """+ - *."""
-        now = self._asked.recent("override", self.engine.snapshot().override_set)
-        factor = 1.0 if change == 0 else min(max(round(now + change, 2), OVERRIDES[0]), OVERRIDES[1])
-        self._asked.note("override", factor)
-        self.engine.set_override(factor)
-
-    def action_speed(self, step: int) -> None:
-        """, and . go through the simulation speeds; the last is as fast as possible."""
-        now = self._asked.recent("speed", self.engine.snapshot().speed_factor)
-        place = SPEEDS.index(now) if now in SPEEDS else SPEEDS.index(1.0)
-        speed = SPEEDS[min(max(place + step, 0), len(SPEEDS) - 1)]
-        self._asked.note("speed", speed)
-        self.engine.set_speed(speed)
-
-    def action_arm_reset(self) -> None:
-        """Ctrl+X; Enter within 3 s does it."""
-        self._armed_until = time.monotonic() + ARMED_S
-        self.look()
+    def action_reset(self) -> None:
+        """Announces a reset."""
+        self.operation.arm_reset()
+        self.tick()
 
     def action_confirm(self) -> None:
-        """Enter."""
-        if self._armed_until and time.monotonic() <= self._armed_until:
-            self.engine.reset()
-            self._armed_until = 0.0
-            self.tell(self.say("reset_done"), "warn")
-            self.look()
+        """Does what was announced."""
+        self.operation.confirm()
 
-    # ---- views and dialogs
+    def action_override(self, percent: int) -> None:
+        """Feed override by percent points."""
+        self.operation.change_override(percent)
 
-    def action_view(self) -> None:
-        """v."""
-        self._view = VIEWS[(VIEWS.index(self._view) + 1) % len(VIEWS)]
-        self._layout()
+    def action_override_full(self) -> None:
+        """Feed override 100 %."""
+        self.operation.set_override(100)
 
-    def action_fit(self) -> None:
-        """f."""
-        self._find(PathPlotView).fit()
+    def action_override_value(self) -> None:
+        """Asks for the feed override."""
+        title = self.words("override_ask", low=LOW, high=HIGH)
+        self._ask(title, self.words("field_keys"), self.operation.override_from)
 
-    def action_zoom(self, factor: float) -> None:
-        """z and Z."""
-        self._find(PathPlotView).zoom(factor)
+    def action_speed(self, by: int) -> None:
+        """Simulation speed."""
+        self.operation.change_speed(by)
 
-    def action_scroll(self, rows: int) -> None:
-        """Looks through the program."""
-        self._find(ProgramView).scroll(rows)
+    def _ask(self, title: str, keys: str, then: Callable[[str], None], *, field: bool = True) -> None:
+        def answered(text: str | None) -> None:
+            if text is not None:
+                then(text)
 
-    def action_run_screen(self) -> None:
-        """F3: back to the Run screen."""
-        while len(self.screen_stack) > 1:
-            self.pop_screen()
-
-    def action_help(self) -> None:
-        """F1."""
-        texts = [f"{key:<14} {what}" for key, what in self.say.help()]
-        self._page(self.say("key_help"), [*texts, "", self.say("estop")])
-
-    def action_alarms(self) -> None:
-        """F6."""
-        alarms = self.engine.snapshot().alarms
-        texts = [f"{a.t_s:9.3f} s  {a.code} {a.axis} {self.say('line')} {a.line}  {a.text}" for a in alarms]
-        self._page(self.say("alarms"), texts or [self.say("no_alarms")])
-
-    def _page(self, title: str, texts: list[str]) -> None:
-        if len(self.screen_stack) == 1:
-            self.push_screen(Page(title, texts))
+        self.push_screen(Question(title, keys, field=field, settle_s=self._settle_s), answered)
 
     def action_ask_quit(self) -> None:
-        """Ctrl+Q asks."""
-        if len(self.screen_stack) == 1:
-            page = Page(self.say("quit_title"), [], self.say("enter_quit"), asks=True)
-            self.push_screen(page, lambda yes: self.exit(0) if yes else None)
+        """Asks whether to end."""
+        face = FACES[self.operation.state]
+        title = self.words("quit_ask")
+        if self.operation.is_underway:
+            title += " " + self.words("quit_runs", state=self.words.pick(face.english, face.german))
+        self._ask(title, self.words("quit_keys"), lambda _: self.exit(), field=False)
 
-    def action_ask_job(self) -> None:
-        """F2."""
-        self._ask("open_title", lambda text: self.load(text) if text else None)
+    def leave_from_thread(self) -> None:
+        """Ends the program from another thread."""
+        if self.is_running and self._loop is not None:
+            self._loop.call_soon_threadsafe(self.exit)
 
-    def action_ask_line(self) -> None:
-        """g."""
-        self._ask("goto_title", self._go_to)
+    # ---- keys: looking
 
-    def action_ask_override(self) -> None:
-        """=."""
-        self._ask("override_title", self._take_override, f"{self.engine.snapshot().override_set * 100:g}")
+    def action_show(self, page: str) -> None:
+        """Another page; text fields are left."""
+        if len(self.screen_stack) > 1:
+            return
+        self.page, self._top = page, 0
+        field = self.query_one("#path", Input)
+        field.display = page == "jobs"
+        if page == "jobs":
+            field.border_title = None
+            field.placeholder = self.words("jobs_title")
+            field.focus()
+            self._list(field.value)
+        else:
+            self.screen.set_focus(None)
+        self.call_after_refresh(self.tick)
 
-    def _ask(self, title: str, take, value: str = "") -> None:  # type: ignore[no-untyped-def]  # a callback of text
-        if len(self.screen_stack) == 1:
-            ask = Ask(self.say(title), self.say("enter_esc"), value)
-            self.push_screen(ask, lambda text: take(text.strip()) if text is not None else None)
+    def action_view(self) -> None:
+        """The next view of the run page."""
+        self.view = VIEWS[(VIEWS.index(self.view) + 1) % len(VIEWS)]
+        self.tick()
+
+    def action_fit(self) -> None:
+        """The whole path."""
+        self.picture.fit_all()
+        self.tick()
+
+    def action_zoom(self, steps: int) -> None:
+        """Nearer or farther."""
+        self.picture.zoom(steps)
+        self.tick()
+
+    def action_pan(self, x: int, y: int) -> None:
+        """Moves the window on the path by a quarter."""
+        area = self.areas.picture
+        self.picture.pan(x * area.width // 4, y * area.height // 4)
+        self.tick()
+
+    def action_scroll(self, by: int) -> None:
+        """Moves the cursor in the program or in the list of files, else the page."""
+        if self.page == "run":
+            self.program.move(by, self.engine.snapshot().line)
+        elif self.page == "jobs":
+            self._file = max(0, min(self._file + by, len(self._files) - 1))
+        else:
+            self._top += by
+        self.tick()
+
+    def action_current(self) -> None:
+        """Back to the current block."""
+        self.program.choose(0)
+        self.tick()
+
+    def action_goto(self) -> None:
+        """Asks for a block."""
+        if self.job is None:
+            self.say(self.words("goto_job"))
+        else:
+            self._ask(self.words("goto"), self.words("field_keys"), self._go_to)
 
     def _go_to(self, text: str) -> None:
-        count = len(self.job.lines) if self.job is not None else 0
-        if text.isdecimal() and 1 <= int(text) <= count:
-            self._find(ProgramView).look(int(text))
+        line = find_block(self.job.lines, text) if self.job else None
+        if line is None:
+            self.say(self.words("goto_none", text=text.strip()[:20]))
         else:
-            self.tell(self.say("no_line", text=text), "warn")
+            self.page = "run"
+            self.program.choose(line)
+        self.tick()
 
-    def _take_override(self, text: str) -> None:
-        try:
-            factor = float(text) / 100
-        except ValueError:
-            self.tell(self.say("bad_value", text=text), "warn")
+    def action_next_message(self) -> None:
+        """The next message."""
+        self.messages.next()
+        self.tick()
+
+    # ---- jobs page
+
+    def _list(self, text: str) -> None:
+        self._files, self._file = files_beginning(text), 0
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Lists what begins with what was typed."""
+        if event.input.id == "path":
+            self._list(event.value)
+            self.tick()
+
+    def action_complete(self) -> None:
+        """Takes the chosen file into the text field."""
+        if self._files:
+            field = self.query_one("#path", Input)
+            field.value = self._files[self._file]
+            field.cursor_position = len(field.value)
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Opens the chosen file, or exactly what was typed; a folder is entered."""
+        if self.operation.confirm():
             return
-        self.engine.set_override(min(max(factor, OVERRIDES[0]), OVERRIDES[1]))
+        path = self._files[self._file] if self._files else event.value.strip()
+        if path.endswith("/"):
+            self.action_complete()
+        elif path:
+            self.load(path)
 
-    def on_program_view_selected(self, message: ProgramView.Selected) -> None:
-        """A click in the program tells the block."""
-        if self.job is not None and message.line <= len(self.job.lines):
-            self.tell(f"{self.say('line')} {message.line}: {self.job.lines[message.line - 1].strip()}", "text")
+    # ---- mouse
 
-    # ---- the end
+    def on_body_clicked(self, event: Body.Clicked) -> None:
+        """A click chooses a block, in the program or by its path."""
+        if self.areas.program.contains(event.x, event.y):
+            line = self.program.line_at(event.y - self.areas.program.y)
+        elif self.areas.picture.contains(event.x, event.y):
+            line = self.picture.line_at(event.x - self.areas.picture.x, event.y - self.areas.picture.y)
+        else:
+            line = None
+        if line is not None:
+            self.program.choose(line)
+            self.tick()
 
-    def _hang_up(self, *_: object) -> None:
-        """A closed terminal holds (ui-guide section 4); a slow or frozen one does not."""
-        self.engine.hold()
-        deadline = time.monotonic() + 2.0
-        while self.engine.snapshot().state in (State.RUNNING, State.HOLDING) and time.monotonic() < deadline:
-            time.sleep(0.01)
-        self.exit(129)
+    def on_body_wheel(self, event: Body.Wheel) -> None:
+        """The wheel zooms the path and scrolls what else there is."""
+        if self.areas.picture.contains(event.x, event.y):
+            self.action_zoom(-event.by)
+        else:
+            self.action_scroll(3 * event.by)
 
+    def on_body_dragged(self, event: Body.Dragged) -> None:
+        """Dragging moves the window on the path."""
+        if self.areas.picture.contains(event.x, event.y):
+            self.picture.pan(-event.dx, event.dy)
+            self.tick()
 
-class _Asked:
-    """What was asked for within the last moment: keys that come faster than the engine answers add up."""
-
-    def __init__(self) -> None:
-        self._values: dict[str, tuple[float, float]] = {}
-
-    def note(self, name: str, value: float) -> None:
-        """A wish that is on its way."""
-        self._values[name] = (value, time.monotonic())
-
-    def recent(self, name: str, reported: float) -> float:
-        """The wish if it is fresh, else what the engine reports."""
-        value, at = self._values.get(name, (reported, 0.0))
-        return value if time.monotonic() - at < 0.5 else reported
-
-
-def _one_line(diagnostic: Diagnostic) -> str:
-    hint = f" ({diagnostic.hint})" if diagnostic.hint else ""
-    return f"{diagnostic.line}:{diagnostic.column} {diagnostic.id} {diagnostic.message}{hint}"
+    def on_resize(self) -> None:
+        """Another size, another layout: at once."""
+        self.call_after_refresh(self.tick)

@@ -1,58 +1,52 @@
-"""Small dialogs. Hold works in all of them: Esc leaves and holds, and so does Space outside of a text field."""
+"""Questions to the operator. Hold works in all of them: its keys belong to the application and come first."""
 
 from __future__ import annotations
 
-from typing import ClassVar
+import time
 
+from textual import events
 from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
+from tui.keys import SETTLE_S
 
-class Ask(ModalScreen[str | None]):
-    """Asks for a line of text; None if it was left."""
 
-    def __init__(self, title: str, hint: str, value: str = "") -> None:
+class Question(ModalScreen[str | None]):
+    """A title and, unless it is only to be confirmed, a text field. Enter answers, Esc leaves (and holds)."""
+
+    AUTO_FOCUS = "Input"
+    DEFAULT_CSS = """
+    Question { align: center middle; background: transparent; }
+    Question > Vertical { width: 64; max-width: 100%; height: auto; border: ascii $foreground; padding: 0 1;
+        background: $background; }
+    Question Static { height: auto; background: $background; color: $foreground; }
+    Question Input { border: none; height: 1; padding: 0; background: $background; color: $foreground; }
+    Question Input:focus { border: none; }
+    """
+
+    def __init__(self, title: str, keys: str, *, field: bool, settle_s: float = SETTLE_S) -> None:
         super().__init__()
-        self._texts = (title, hint, value)
+        self._title, self._keys, self._field = title, keys, field
+        self._settle_s, self._opened = settle_s, time.monotonic()
 
     def compose(self) -> ComposeResult:
         """Title, field, keys."""
-        title, hint, value = self._texts
-        with Vertical(classes="dialog"):
-            yield Static(title, markup=False)
-            yield Input(value=value, compact=True)
-            yield Static(hint, classes="hint", markup=False)
+        with Vertical():
+            yield Static(self._title, markup=False)
+            if self._field:
+                yield Input(select_on_focus=False, compact=True)
+            yield Static(self._keys, markup=False)
+
+    def on_key(self, event: events.Key) -> None:
+        """A key that was meant for the screen before must not answer the question."""
+        if event.key == "enter" and not self._field:
+            event.stop()
+            if time.monotonic() - self._opened >= self._settle_s:
+                self.dismiss("")
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Enter takes the text."""
+        """The answer."""
         event.stop()
         self.dismiss(event.value)
-
-
-class Page(ModalScreen[bool]):
-    """Shows lines; with `asks`, Enter answers yes."""
-
-    BINDINGS: ClassVar = [("enter", "answer", ""), ("q", "leave", "")]
-
-    def __init__(self, title: str, lines: list[str], hint: str = "", asks: bool = False) -> None:
-        super().__init__()
-        self._texts = (title, "\n".join(lines), hint)
-        self._asks = asks
-
-    def compose(self) -> ComposeResult:
-        """Title, text, keys."""
-        title, body, hint = self._texts
-        with Vertical(classes="dialog wide"):
-            yield Static(title, markup=False)
-            yield Static(body, markup=False)
-            yield Static(hint, classes="hint", markup=False)
-
-    def action_answer(self) -> None:
-        """Enter."""
-        self.dismiss(self._asks)
-
-    def action_leave(self) -> None:
-        """q leaves without answer."""
-        self.dismiss(False)

@@ -1,115 +1,131 @@
-"""Texts of the terminal, English and German, with the terms of the German controller manuals (ui-guide 9)."""
+"""Texts of the terminal, English and German, in one table (terms: ui-guide section 9)."""
 
 from __future__ import annotations
 
-WORDS: dict[str, tuple[str, str]] = {
+TEXTS: dict[str, tuple[str, str]] = {
     "actual": ("ACTUAL", "IST"),
     "to_go": ("TO GO", "RESTWEG"),
-    "follow": ("FOLLOW um", "SCHLEPPF. um"),
+    "command": ("COMMAND", "SOLL"),
+    "follow": ("FOLLOW um", "SCHLEPP um"),
     "limit": ("limit", "Grenze"),
     "path": ("PATH", "BAHN"),
     "time": ("TIME", "ZEIT"),
-    "sim": ("sim", "sim"),
-    "set": ("set", "soll"),
-    "eff": ("eff", "wirksam"),
+    "override": ("OVR", "KORR"),
+    "set": ("set", "Soll"),
+    "effective": ("eff", "Ist"),
+    "low": ("override low", "Korrektur klein"),
+    "deviation": ("DEV", "ABW"),
     "now": ("now", "jetzt"),
-    "max": ("max", "max"),
-    "tol": ("tol", "Tol"),
+    "tolerance": ("tol", "Tol"),
+    "spool": ("SPOOL", "SPOOL"),
     "empty_in": ("empty in", "leer in"),
-    "by_deviation": ("colour/glyph = deviation", "Farbe/Zeichen = Abweichung"),
+    "auto": ("AUTO", "AUTO"),
+    "live": ("LIVE {hz:.0f} Hz", "LIVE {hz:.0f} Hz"),
+    "lag": ("LAG {seconds:.1f} s", "VERZUG {seconds:.1f} s"),
+    "stale": ("no news for {seconds:.0f} s", "seit {seconds:.0f} s keine Werte"),
+    "plot_head": ("PATH {plane}  colour/glyph = deviation", "BAHN {plane}  Farbe/Zeichen = Abweichung"),
+    "plot_head_short": ("PATH {plane}", "BAHN {plane}"),
+    "plot_keys": ("[v]iew [f]it", "[v] Sicht [f] Alles"),
     "todo": ("to do", "offen"),
-    "tool": ("tool", "Wkz"),
-    "col": ("1 col =", "1 Sp ="),
+    "tool": ("tool", "Werkzeug"),
     "no_job": ("No job. F2 opens, or: cnc-front tui part.nc", "Kein Auftrag. F2 öffnet, oder: cnc-front tui teil.nc"),
-    "loading": ("Loading {name} ...", "Lade {name} ..."),
-    "loaded": ("{name}: {lines} lines, {warnings} warnings", "{name}: {lines} Zeilen, {warnings} Warnungen"),
+    "warning_1": ("! 1 warning", "! 1 Warnung"),
+    "warnings": ("! {n} warnings", "! {n} Warnungen"),
+    "alarm_n": ("!! {n} alarms", "!! {n} Störungen"),
     "too_small": ("too small, need 80x24", "zu klein, braucht 80x24"),
-    "estop": (
-        "This terminal is no emergency stop. Use the hard-wired one.",
-        "Dieses Terminal ist kein Not-Halt. Dafür gibt es den fest verdrahteten.",
+    "start_line": (
+        "Simulation. A terminal is no emergency stop; the hard-wired chain stays.",
+        "Simulation. Ein Terminal ist kein Not-Aus; die verdrahtete Kette bleibt.",
     ),
-    "reset_armed": ("Reset: Enter within 3 s drops the job", "Reset: Enter binnen 3 s verwirft den Auftrag"),
-    "reset_done": ("ABORT: braked on the path, spooler dropped", "ABBRUCH: auf der Bahn gebremst, Spooler verworfen"),
-    "held": ("HOLD: slows on the path; r goes on", "HALT: bremst auf der Bahn; r setzt fort"),
-    "low_override": ("override low", "Korrektur klein"),
-    "no_message": ("", ""),
-    "open_title": ("Open part program", "Teileprogramm öffnen"),
-    "goto_title": ("Go to line", "Gehe zu Zeile"),
-    "override_title": ("Feed override in percent", "Vorschubkorrektur in Prozent"),
-    "quit_title": ("Quit? The emulated machine ends with it.", "Beenden? Die emulierte Maschine endet mit."),
-    "enter_esc": ("Enter: take   Esc: leave (and hold)", "Enter: übernehmen   Esc: verlassen (und Halt)"),
-    "enter_quit": ("Enter: quit   Esc: stay", "Enter: beenden   Esc: bleiben"),
-    "bad_value": ("not a number: {text}", "keine Zahl: {text}"),
-    "no_line": ("there is no line {text}", "Zeile {text} gibt es nicht"),
-    "warning_count": ("{count} warning", "{count} Warnung"),
-    "alarm_count": ("{count} alarm", "{count} Störung"),
-    "alarms": ("ALARMS", "STÖRUNGEN"),
-    "no_alarms": ("No alarms.", "Keine Störungen."),
-    "line": ("line", "Zeile"),
     "details": ("n: next", "n: weiter"),
-    "key_hold": ("Hold", "Halt"),
-    "key_start": ("Start", "Start"),
-    "key_step": ("Step", "Einzelschr."),
-    "key_sb": ("SB", "Einzels."),
-    "key_ovr": ("Ovr", "Korr"),
-    "key_speed": ("Sim", "Sim"),
-    "key_reset": ("Reset", "Reset"),
-    "key_plot": ("View", "Ansicht"),
-    "key_help": ("Help", "Hilfe"),
-    "key_open": ("Open", "Öffnen"),
-    "key_alarms": ("Alarms", "Störungen"),
+    "loading": ("loading {name} ...", "lade {name} ..."),
+    "loaded": ("{name}: {lines} lines, {path:.1f} mm", "{name}: {lines} Zeilen, {path:.1f} mm"),
+    "load_failed": ("{id} {place} {text}", "{id} {place} {text}"),
+    "more_errors": ("(+{n} more, F2)", "(+{n} weitere, F2)"),
+    "deviation_over": (
+        "W204 {block} path deviation {um:.1f} um > {limit:g} um",
+        "W204 {block} Bahnabweichung {um:.1f} um > {limit:g} um",
+    ),
+    "tolerance_of": ("(tolerance of the machine)", "(Toleranz der Maschine)"),
+    "runs_already": ("The job runs already.", "Der Auftrag läuft schon."),
+    "brakes": ("Brakes on the path; r when it stands.", "Bremst auf der Bahn; r, wenn sie steht."),
+    "no_start_alarm": ("Alarm: cure the cause, ^X Enter resets, then r.", "Störung: beheben, ^X Enter, dann r."),
+    "no_step": ("Step works from standstill: Space first.", "Einzelschritt nur im Stillstand: erst Leertaste."),
+    "dropped": ("Key came late and was dropped; press again.", "Taste kam zu spät und gilt nicht; nochmals drücken."),
+    "reset_armed": (
+        "Reset drops the spooler; the job starts again from the top. Homing stays. Enter within 3 s.",
+        "Reset leert den Spooler; Auftrag beginnt von vorn. Referenz bleibt. Enter in 3 s.",
+    ),
+    "reset_done": (
+        "ABORT: braked on the path, spooler dropped; r starts from the top.",
+        "ABBRUCH: auf der Bahn gebremst, Spooler leer; r beginnt von vorn.",
+    ),
+    "hold_hup": ("Terminal closed: HOLD.", "Terminal geschlossen: HALT."),
+    "hold_text": ("HOLD on the path; r goes on.", "HALT auf der Bahn; r fährt weiter."),
+    "step_text": ("BLOCK END; r or t goes on.", "SATZENDE; r oder t fährt weiter."),
+    "stopped_M06": ("M06: tool T{tool} in? Then r.", "M06: Werkzeug T{tool} gewechselt? Dann r."),
+    "stopped_M00": ("M00: program stop; r goes on.", "M00: Programmhalt; r fährt weiter."),
+    "stopped_M01": ("M01: optional stop; r goes on.", "M01: wahlweiser Halt; r fährt weiter."),
+    "stopped": ("{why}: waits for the operator; r goes on.", "{why}: wartet auf den Bediener; r fährt weiter."),
+    "waiting": ("Waits: {why}", "Wartet: {why}"),
+    "goto": ("Go to block (N620) or line (12):", "Gehe zu Satz (N620) oder Zeile (12):"),
+    "goto_none": ("{text}: no such block.", "{text}: kein solcher Satz."),
+    "goto_job": ("No program to search.", "Kein Programm zum Suchen."),
+    "override_ask": ("Feed override in % ({low}..{high}):", "Vorschubkorrektur in % ({low}..{high}):"),
+    "override_bad": ("{text}: not a number from {low} to {high}.", "{text}: keine Zahl von {low} bis {high}."),
+    "quit_ask": (
+        "Quit cnc-front? The simulated machine ends with it.",
+        "Beenden? Die simulierte Maschine endet damit.",
+    ),
+    "quit_runs": ("A job is under way ({state}).", "Ein Auftrag ist in Arbeit ({state})."),
+    "quit_keys": ("Enter quits   Esc stays (and holds)", "Enter beendet   Esc bleibt (und hält an)"),
+    "field_keys": ("Enter takes it   Esc leaves (and holds)", "Enter übernimmt   Esc verlässt (und hält an)"),
+    "jobs_title": ("JOBS  open by path:", "AUFTRÄGE  öffnen mit Pfad:"),
+    "jobs_keys": ("Up/Down choose   Tab into name   Enter opens", "Auf/Ab wählen   Tab übernimmt Namen   Enter öffnet"),
+    "jobs_none": ("no file begins with this", "keine Datei beginnt so"),
+    "check": ("CHECK of {name}", "PRÜFUNG von {name}"),
+    "check_extents": ("axis    from          to", "Achse   von           bis"),
+    "check_clean": ("no errors, {n} warnings", "keine Fehler, {n} Warnungen"),
+    "check_bad": ("not loaded: {n} errors", "nicht geladen: {n} Fehler"),
+    "check_time": ("machine time {time}   path {path:.1f} mm", "Maschinenzeit {time}   Bahn {path:.1f} mm"),
+    "hint": ("hint:", "Hinweis:"),
+    "alarms_title": ("ALARMS  active", "STÖRUNGEN  aktiv"),
+    "alarms_none": ("none", "keine"),
+    "log_title": ("LOG of this session, newest first", "PROTOKOLL dieser Sitzung, neueste zuerst"),
+    "alarm_head": (
+        "time        code  axis block    text and remedy",
+        "Zeit        Code  Achse Satz    Text und Abhilfe",
+    ),
+    "service_title": ("SERVICE  axes as the controller reports them", "SERVICE  Achsen, wie die Steuerung sie meldet"),
+    "service_head": (
+        "axis   command      actual   follow      mpe   spool  status bits",
+        "Achse     Soll         Ist  Schlepp      mpe   Spool  Statusbits",
+    ),
+    "referenced": ("referenced", "referenziert"),
+    "not_referenced": ("NOT HOMED", "nicht referenziert"),
+    "help_title": ("HELP  keys", "HILFE  Tasten"),
+    "help_stop": (
+        "A terminal is no emergency stop: keep the hard-wired chain.",
+        "Ein Terminal ist kein Not-Aus: die verdrahtete Kette bleibt.",
+    ),
+    "help_states": ("States", "Zustände"),
+    "help_scroll": ("Up/Down scroll   F3 Run", "Auf/Ab blättern   F3 Lauf"),
+    "speed": ("simulation speed {speed}", "Simulationstempo {speed}"),
+    "job_busy": ("A job is under way; ^X Enter ends it first.", "Auftrag in Arbeit; erst ^X Enter."),
 }
 
-STATES: dict[str, tuple[str, str, str, str]] = {
-    # state: symbol, style, English, German
-    "NO JOB": ("-", "soft", "NO JOB", "KEIN AUFTRAG"),
-    "READY": ("#", "text", "READY", "BEREIT"),
-    "RUNNING": (">", "inverse", "RUNNING", "LÄUFT"),
-    "HOLDING": ("=", "warn_inverse", "HOLDING", "BREMST"),
-    "HOLD": ("=", "warn_inverse", "HOLD", "HALT"),
-    "STEP": ("=", "warn_inverse", "BLOCK END", "SATZENDE"),
-    "STOPPED": ("=", "warn_inverse", "STOPPED", "GESTOPPT"),
-    "WAITING": ("~", "text", "WAITING", "WARTET"),
-    "DONE": ("v", "text", "DONE", "FERTIG"),
-    "ABORTED": ("x", "bad", "ABORTED", "ABGEBROCHEN"),
-    "ALARM": ("!!", "bad_inverse", "ALARM", "STÖRUNG"),
-}
 
-HELP: tuple[tuple[str, str, str], ...] = (
-    ("SPACE", "Feed hold (Esc too); never asks", "Vorschub-Halt (auch Esc); fragt nie"),
-    ("r", "Start, resume", "NC-Start, fortsetzen"),
-    ("t", "Step one block", "Einzelschritt"),
-    ("b", "Single block on/off", "Einzelsatz ein/aus"),
-    ("+ - * =", "Feed override 5 % up, down, 100 %, value", "Vorschubkorrektur 5 % auf, ab, 100 %, Wert"),
-    (", .", "Simulation speed slower, faster (max = free)", "Simulation langsamer, schneller (max = frei)"),
-    ("Ctrl+X Enter", "Reset: brake on the path, drop the job", "Reset: auf der Bahn bremsen, Auftrag verwerfen"),
-    ("v", "View: program+path, path, values", "Ansicht: Programm+Bahn, Bahn, Werte"),
-    ("f  z Z", "Fit path, zoom in, out (drag pans)", "Bahn einpassen, größer, kleiner (ziehen schiebt)"),
-    ("Up Down", "Look through the program; g: go to line", "Im Programm blättern; g: gehe zu Zeile"),
-    ("n", "Next message", "Nächste Meldung"),
-    ("F2 o", "Open a part program", "Teileprogramm öffnen"),
-    ("F3", "Run screen", "Schirm Lauf"),
-    ("F6", "Alarms", "Störungen"),
-    ("F1 ?", "This help", "Diese Hilfe"),
-    ("Ctrl+Q", "Quit (asks)", "Beenden (fragt)"),
-)
-
-
-class Say:
+class Words:
     """Looks texts up in one language."""
 
-    def __init__(self, language: str) -> None:
-        self.german = language == "de"
+    def __init__(self, language: str = "en") -> None:
+        self.language = language
+        self._column = 1 if language == "de" else 0
 
-    def __call__(self, id: str, **values: object) -> str:
-        """The text with its values filled in."""
-        return WORDS[id][self.german].format(**values)
+    def __call__(self, id: str, /, **facts: object) -> str:
+        """The text of an id with its facts filled in."""
+        return TEXTS[id][self._column].format(**facts)
 
-    def state(self, state: str) -> tuple[str, str, str]:
-        """Symbol, style name and word of a state."""
-        symbol, style, english, german = STATES[state]
-        return symbol, style, german if self.german else english
-
-    def help(self) -> list[tuple[str, str]]:
-        """Key and what it does."""
-        return [(key, german if self.german else english) for key, english, german in HELP]
+    def pick(self, english: str, german: str) -> str:
+        """One of two texts that stand in a table of their own."""
+        return (english, german)[self._column]

@@ -1,0 +1,91 @@
+"""The rows that stay on every screen: header, message line, key line."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+from rich.style import Style
+from textual.strip import Strip
+
+from cnc_front.engine import Snapshot
+from tui.keys import KEY_LINE
+from tui.look import Look
+from tui.program import block_name
+from tui.rows import Row
+from tui.states import FACES
+from tui.values import Shown
+from tui.words import Words
+
+
+def target_word(speed: float) -> str:
+    """`[SIM x50]`: the loudest thing on screen."""
+    return f"[SIM x{speed:g}]" if speed else "[SIM max]"
+
+
+def _flag(row: Row, look: Look, word: str, on: bool) -> None:
+    row.add(" ").add(f"[{word}]" if on else word, look.inverse if on else look.bar)
+
+
+def header(shown: Shown, switches: tuple[tuple[str, bool], ...], warnings: int, now: datetime, width: int) -> Strip:
+    """Target, mode, state, program, block, switches, warnings, clock."""
+    s, look, words = shown.snapshot, shown.look, shown.words
+    wide = width >= 110
+    gap = "  " if wide else " "
+    face = FACES[s.state]
+    row = Row(look.bar).add(" ").add(target_word(s.speed_factor), look.target).add(gap + words("auto") + gap)
+    word = f"{face.symbol} {words.pick(face.english, face.german)}{shown.doubt.strip()}"
+    row.add(word, getattr(look, face.style)).add(gap)
+    right = Row(look.bar)
+    for name, on in switches:
+        _flag(right, look, name, on)
+    right.add("  ").add(*_findings(s, words, look, warnings, wide)).add(gap + f"{now:%H:%M:%S}")
+    room = width - row.width - right.width - 1
+    block = f"  {block_name(shown.job.lines, s.line)}" if wide and shown.job and s.line else ""
+    name = shown.job.name if shown.job else ""
+    if len(name) + len(block) > room:
+        name = name[: max(0, room - len(block) - 1)] + "~"
+    row.add((name + block)[: max(room, 0)])
+    row.add(" " * (width - row.width - right.width))
+    return Strip.join([row.strip(width - right.width), right.strip(right.width)])
+
+
+def _findings(s: Snapshot, words: Words, look: Look, warnings: int, wide: bool) -> tuple[str, Style]:
+    """How many alarms, or else warnings, there are."""
+    if s.alarms:
+        count = len(s.alarms)
+        return (words("alarm_n", n=count) if wide else f"!! {count}"), look.alarm
+    if not wide:
+        return f"! {warnings}", look.warn if warnings else look.bar
+    text = words("warning_1") if warnings == 1 else words("warnings", n=warnings)
+    return text, look.warn if warnings else look.bar
+
+
+def message_row(text: str, style: Style, look: Look, words: Words, more: bool, width: int) -> Strip:
+    """One message; `n` shows the next one."""
+    note = words("details") if more else ""
+    row = Row(style).add(f" {text}"[: width - len(note) - 2])
+    filled = row.strip(width - len(note) - 1)
+    return Strip.join([filled, Row(look.dim).add(note).strip(len(note) + 1)])
+
+
+def key_row(look: Look, words: Words, width: int) -> Strip:
+    """As many keys as fit."""
+    row = Row(look.bar)
+    for key, english, german in KEY_LINE:
+        text = f"{key} {words.pick(english, german)}"
+        if row.width + len(text) + 1 > width:
+            break
+        row.add(" ").add(key, look.strong if look.name == "mono" else look.bar)
+        row.add(f" {words.pick(english, german)} ")
+    return row.strip(width)
+
+
+def small_row(shown: Shown, row_number: int, width: int) -> Strip:
+    """Below 80x24 still: target, state, alarm and the way to hold."""
+    face, look, words = FACES[shown.snapshot.state], shown.look, shown.words
+    if row_number:
+        return Row(look.text).strip(width)
+    row = Row(look.text).add(target_word(shown.snapshot.speed_factor), look.target).add(" ")
+    row.add(f"{face.symbol} {words.pick(face.english, face.german)}", getattr(look, face.style))
+    row.add(f" !!{len(shown.snapshot.alarms)}" if shown.snapshot.alarms else "", look.alarm)
+    return row.add(f" SPACE {words.pick('Hold', 'Halt')} | {words('too_small')}").strip(width)

@@ -1,0 +1,88 @@
+"""Keys of the terminal (ui-guide section 3): one table, from which bindings, key line and help come."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """An action of the application, its keys (Textual's names) and what help says of it."""
+
+    action: str
+    keys: str
+    shown: str
+    english: str
+    german: str
+    everywhere: bool = False  # taken before a dialog or text field sees the key
+
+
+KEYS: tuple[Key, ...] = (
+    Key("hold", "space", "Space", "feed hold, any time", "Vorschub-Halt, jederzeit", everywhere=True),
+    Key(
+        "escape",
+        "escape",
+        "Esc",
+        "hold, also in text fields; leaves a dialog",
+        "Halt, auch in Feldern",
+        everywhere=True,
+    ),
+    Key("start", "r", "r", "cycle start, resume", "NC-Start, weiter"),
+    Key("step", "t", "t", "step one block (single block on)", "Einzelschritt (Einzelsatz ein)"),
+    Key("single_block", "b", "b", "single block on/off", "Einzelsatz ein/aus"),
+    Key("override(5)", "plus_sign,plus", "+", "feed override 5 % up", "Vorschubkorrektur +5 %"),
+    Key("override(-5)", "minus,hyphen", "-", "feed override 5 % down", "Vorschubkorrektur -5 %"),
+    Key("override_full", "asterisk", "*", "feed override 100 %", "Vorschubkorrektur 100 %"),
+    Key("override_value", "equals_sign", "=", "feed override by value", "Vorschubkorrektur als Wert"),
+    Key("speed(-1)", "comma", ",", "simulation slower", "Simulation langsamer"),
+    Key("speed(1)", "full_stop", ".", "simulation faster, up to max", "Simulation schneller, bis max"),
+    Key(
+        "reset", "ctrl+x", "^X Enter", "reset: abort, spooler dropped", "Reset: Abbruch, Spooler leer", everywhere=True
+    ),
+    Key("confirm", "enter", "Enter", "confirms what was announced", "bestätigt Angekündigtes"),
+    Key("complete", "tab", "Tab", "jobs: take the file into the field", "Aufträge: Datei ins Feld", everywhere=True),
+    Key("view", "v", "v", "view: program+path, path, values", "Sicht: Programm+Bahn, Bahn, Werte"),
+    Key("fit", "f", "f", "whole path in the picture", "ganze Bahn im Bild"),
+    Key("zoom(1)", "0", "0", "zoom in (wheel too)", "Bild größer (auch Mausrad)"),
+    Key("zoom(-1)", "9", "9", "zoom out", "Bild kleiner"),
+    Key("pan(-1,0)", "shift+left", "Shift+arrows", "pan the picture (or drag)", "Bild schieben (oder ziehen)"),
+    Key("pan(1,0)", "shift+right", "", "", ""),
+    Key("pan(0,1)", "shift+up", "", "", ""),
+    Key("pan(0,-1)", "shift+down", "", "", ""),
+    Key("scroll(-1)", "up", "Up/Down", "program, list: by a line", "Programm, Liste: zeilenweise"),
+    Key("scroll(1)", "down", "", "", ""),
+    Key("scroll(-20)", "pageup", "PgUp/PgDn", "program, list: by a page", "Programm, Liste: seitenweise"),
+    Key("scroll(20)", "pagedown", "", "", ""),
+    Key("current", "c", "c", "back to the current block", "zurück zum laufenden Satz"),
+    Key("goto", "g", "g", "go to block or line", "gehe zu Satz oder Zeile"),
+    Key("next_message", "n", "n", "next message", "nächste Meldung"),
+    Key("show('help')", "f1,1,question_mark", "F1 1 ?", "this page", "diese Seite"),
+    Key("show('jobs')", "f2,2", "F2 2", "jobs: open and check", "Aufträge: öffnen, prüfen"),
+    Key("show('run')", "f3,3", "F3 3", "run", "Lauf"),
+    Key("show('alarms')", "f6,6", "F6 6", "alarms and log", "Störungen und Protokoll"),
+    Key("show('service')", "f8,8", "F8 8", "axes, status bits", "Achsen, Statusbits"),
+    Key("ask_quit", "ctrl+q", "^Q", "quit (asks)", "beenden (fragt)", everywhere=True),
+)
+
+#: Key line: (key, English, German); the narrow one drops the last ones that do not fit.
+KEY_LINE = (
+    ("SPACE", "Hold", "Halt"),
+    ("r", "Start", "Start"),
+    ("t", "Step", "Schritt"),
+    ("b", "SB", "Satz"),
+    ("+ -", "Ovr", "Korr"),
+    ("v", "View", "Sicht"),
+    ("F1", "Help", "Hilfe"),
+    ("F2", "Jobs", "Auftr."),
+    ("F6", "Alm", "Stör."),
+    ("^X", "Reset", "Reset"),
+    ("F3", "Run", "Lauf"),
+    ("F8", "Service", "Service"),
+    ("g", "Block", "Satz"),
+    ("^Q", "Quit", "Ende"),
+)
+
+#: Motion keys that waited longer than this in the queue are dropped (ui-guide section 3), s.
+LATE_S = 0.25
+#: A dialog ignores keys that came this soon after it appeared, s.
+SETTLE_S = 0.3

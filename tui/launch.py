@@ -1,0 +1,68 @@
+"""Starts the terminal: the only place that knows which engine stands behind it, and what a closed terminal means."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import sys
+import threading
+import time
+
+from cnc_front.engine import Engine, State
+from cnc_front.errors import Exit, UsageError
+from tui.app import Switches, Terminal
+from tui.look import choose_look
+from tui.words import Words
+
+#: After the terminal was closed: longest wait for standstill, and for a tidy end, s.
+STANDSTILL_S, END_S = 5.0, 3.0
+
+
+def run_terminal(options: argparse.Namespace, language: str) -> int:
+    """Until the operator quits. Raises UsageError where there is no terminal to draw on."""
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise UsageError("tui needs a terminal; `cnc-front run` works without one")
+    look = choose_look(options.theme, options.glyphs, os.environ)
+    switches = Switches(optional_stop=options.optional_stop, skip=bool(options.skip))
+    engine = make_engine(options, language)
+    try:
+        terminal = Terminal(engine, look, Words(language), job=options.job, switches=switches)
+        hold_when_hung_up(engine, terminal)
+        terminal.run()
+        return int(Exit.DONE if terminal.return_code == 0 else Exit.STOPPED)
+    finally:
+        engine.close()
+
+
+def make_engine(options: argparse.Namespace, language: str) -> Engine:
+    """The emulator. A link to a real controller would stand here."""
+    from cnc_front.jobs import CompileOptions
+    from cnc_front.sim import SimEngine
+
+    compiling = CompileOptions(options.profile, options.optional_stop, tuple(options.skip), options.language)
+    return SimEngine(options.machine, compiling, language=language)
+
+
+def hold_when_hung_up(engine: Engine, terminal: Terminal) -> None:
+    """A closed terminal holds the job (ui-guide section 4); once it stands, the program ends.
+
+    Without this handler SIGHUP would kill the process in the middle of a move.
+    """
+    if not hasattr(signal, "SIGHUP"):
+        return
+
+    def end() -> None:
+        deadline = time.monotonic() + STANDSTILL_S
+        while time.monotonic() < deadline and engine.snapshot().state in (State.RUNNING, State.HOLDING):
+            time.sleep(0.02)
+        terminal.leave_from_thread()
+        time.sleep(END_S)
+        engine.close()
+        os._exit(128 + signal.SIGHUP)  # the terminal is gone: writing its last words may block for ever
+
+    def hung_up(*_: object) -> None:
+        engine.hold()
+        threading.Thread(target=end, name="hung-up", daemon=True).start()
+
+    signal.signal(signal.SIGHUP, hung_up)

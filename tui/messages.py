@@ -1,0 +1,103 @@
+"""The message line: what matters most now, the rest behind `n`, and the log of this session."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Iterator
+from datetime import datetime
+
+from cnc_front.engine import State
+from tui.panels import Logged
+from tui.program import block_name
+from tui.states import FACES, RESUMABLE
+from tui.values import Shown
+from tui.words import Words
+
+#: What was said stays in the line for so long, s.
+SAID_S = 8.0
+#: Lines of the log kept.
+LOG = 500
+
+
+class Messages:
+    """Collects what was said and what the state says."""
+
+    def __init__(self, words: Words, clock: str = "%H:%M:%S") -> None:
+        self._words, self._format = words, clock
+        self._said = ("", -SAID_S)
+        self.log: deque[Logged] = deque(maxlen=LOG)
+        self._known: set[tuple[float, str, str]] = set()
+        self._state: State | None = None
+        self._state_at = 0.0
+        self.index = 0
+
+    def say(self, text: str, now: datetime, code: str = "") -> None:
+        """Shows a message for some seconds and keeps it in the log."""
+        self._said, self.index = (text, time.monotonic()), 0
+        self.log.append(Logged(now.strftime(self._format), code, text))
+
+    def watch(self, shown: Shown, now: datetime) -> None:
+        """Puts changes of state and new alarms into the log."""
+        s, clock = shown.snapshot, now.strftime(self._format)
+        if s.state is not self._state:
+            face = FACES[s.state]
+            words = [self._words.pick(face.english, face.german), s.why if s.state is not State.RUNNING else ""]
+            place = block_name(shown.job.lines, s.line) if shown.job and s.line else ""
+            self.log.append(Logged(clock, "", " ".join(word for word in (*words, place) if word)))
+            self._state, self._state_at, self.index = s.state, time.monotonic(), 0
+        if not s.alarms:
+            self._known.clear()
+        for alarm in s.alarms:
+            key = (alarm.t_s, alarm.code, alarm.axis)
+            if key not in self._known:
+                self._known.add(key)
+                self.log.append(Logged(clock, alarm.code, f"{alarm.axis} {alarm.text}".strip()))
+
+    def next(self) -> None:
+        """The next message."""
+        self.index += 1
+
+    def current(self, shown: Shown, armed: bool) -> tuple[str, str, bool]:
+        """Text, name of its style, and whether there are more."""
+        if armed:
+            return self._words("reset_armed"), "hold", False
+        active = list(self._active(shown))
+        if not active:
+            return "", "dim", False
+        text, style = active[self.index % len(active)]
+        return text, style, len(active) > 1
+
+    def _active(self, shown: Shown) -> Iterator[tuple[str, str]]:
+        s, words, job = shown.snapshot, self._words, shown.job
+        said, at = self._said
+        of_state = self._of_state(shown), "hold" if s.state in RESUMABLE else "text"
+        if of_state[0] and self._state_at > at:
+            yield of_state
+        if said and time.monotonic() - at < SAID_S:
+            yield said, "strong"
+        for alarm in reversed(s.alarms):
+            place = f" {block_name(job.lines, alarm.line)}" if job and alarm.line else ""
+            yield f"{alarm.code} {alarm.axis}{place} {alarm.text}", "alarm" if alarm.stopped else "bad"
+        if of_state[0] and self._state_at <= at:
+            yield of_state
+        if s.message:
+            yield s.message, "strong"
+        if job and s.deviation_max_mm > job.tolerance_mm:
+            block, limit = block_name(job.lines, s.deviation_max_line), job.tolerance_mm * 1000
+            over = words("deviation_over", block=block, um=s.deviation_max_mm * 1000, limit=limit)
+            yield f"! {over} {words('tolerance_of')}", "bad"
+        for warning in job.warnings if job else ():
+            yield f"! {warning}", "warn"
+        if s.state in (State.NO_JOB, State.READY):
+            yield words("start_line"), "dim"
+
+    def _of_state(self, shown: Shown) -> str:
+        """Why it stands and what goes on from there."""
+        s, words = shown.snapshot, self._words
+        if s.state is State.STOPPED:
+            known = {"M00", "M01", "M06"}
+            return words(f"stopped_{s.why}", tool=s.tool) if s.why in known else words("stopped", why=s.why)
+        if s.state is State.WAITING:
+            return words("waiting", why=s.why)
+        return {State.HOLD: words("hold_text"), State.STEP: words("step_text")}.get(s.state, "")

@@ -1,0 +1,141 @@
+"""What the operator may do in which state, and what is said about it. Knows the engine, not the screen."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from cnc_front.engine import Engine, State
+from tui.keys import LATE_S
+from tui.states import RESUMABLE, STARTABLE, UNDERWAY
+from tui.words import Words
+
+#: Feed override, percent. The controller refuses 0.
+LOW, HIGH, STEP = 5, 150, 5
+SPEEDS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 0.0)
+#: An announced reset waits so long for Enter, s.
+ARMED_S = 3.0
+#: The engine has not yet reported what was asked for less than this ago, s.
+_ECHO_S = 0.3
+
+Say = Callable[[str], None]
+
+
+class Operation:
+    """Turns wishes into calls of the engine, or says why not. Every method returns at once."""
+
+    def __init__(self, engine: Engine, words: Words, say: Say) -> None:
+        self._engine, self._words, self._say = engine, words, say
+        self._armed_at = -ARMED_S
+        self._override = (-1.0, 1.0)  # when, and what was asked for
+        self._speed = (-1.0, 1.0)
+
+    @property
+    def state(self) -> State:
+        """What the controller reports."""
+        return self._engine.snapshot().state
+
+    @property
+    def is_underway(self) -> bool:
+        """A job has begun and is not over."""
+        return self.state in UNDERWAY
+
+    # ---- motion
+
+    def hold(self) -> None:
+        """Never asks, never refuses, is never late."""
+        self._engine.hold()
+
+    def start(self, waited_s: float) -> None:
+        """Cycle start from the top, or goes on; `waited_s`: age of the key."""
+        state = self.state
+        if self._is_late(waited_s):
+            return
+        if state in RESUMABLE:
+            self._engine.resume()
+        elif state in STARTABLE:
+            self._engine.start()
+        else:
+            self._refuse(state)
+
+    def step(self, waited_s: float) -> None:
+        """One block, from standstill."""
+        state = self.state
+        if self._is_late(waited_s):
+            return
+        if state in RESUMABLE or state in STARTABLE:
+            self._engine.step()
+        elif state in (State.RUNNING, State.WAITING, State.HOLDING):
+            self._say(self._words("no_step"))
+        else:
+            self._refuse(state)
+
+    def _is_late(self, waited_s: float) -> bool:
+        if waited_s > LATE_S:
+            self._say(self._words("dropped"))
+        return waited_s > LATE_S
+
+    def _refuse(self, state: State) -> None:
+        reason = {State.NO_JOB: "no_job", State.HOLDING: "brakes", State.ALARM: "no_start_alarm"}
+        self._say(self._words(reason.get(state, "runs_already")))
+
+    def toggle_single_block(self) -> None:
+        """Stops at block ends, or no more."""
+        self._engine.set_single_block(not self._engine.snapshot().single_block)
+
+    # ---- reset, in two keys
+
+    @property
+    def is_armed(self) -> bool:
+        """Enter would reset now."""
+        return time.monotonic() - self._armed_at < ARMED_S
+
+    def arm_reset(self) -> None:
+        """Announces; `confirm` within three seconds does it."""
+        if self.state is not State.NO_JOB:
+            self._armed_at = time.monotonic()
+
+    def confirm(self) -> bool:
+        """Resets if that was announced in time."""
+        if not self.is_armed:
+            return False
+        self._armed_at = -ARMED_S
+        if self.is_underway:
+            self._say(self._words("reset_done"))
+        self._engine.reset()
+        return True
+
+    # ---- override and speed
+
+    def change_override(self, percent: float) -> None:
+        """By so many percent points, from what is set now."""
+        asked_at, asked = self._override
+        now = asked if time.monotonic() - asked_at < _ECHO_S else self._engine.snapshot().override_set
+        self.set_override(round(now * 100 + percent))
+
+    def set_override(self, percent: float) -> None:
+        """In percent, kept within LOW..HIGH."""
+        factor = min(max(percent, LOW), HIGH) / 100
+        self._override = (time.monotonic(), factor)
+        self._engine.set_override(factor)
+
+    def override_from(self, text: str) -> None:
+        """What was typed."""
+        try:
+            percent = float(text.strip().rstrip("%").replace(",", "."))
+        except ValueError:
+            percent = -1.0
+        if LOW <= percent <= HIGH:
+            self.set_override(percent)
+        else:
+            self._say(self._words("override_bad", text=text.strip()[:20], low=LOW, high=HIGH))
+
+    def change_speed(self, by: int) -> None:
+        """To the next of SPEEDS."""
+        asked_at, asked = self._speed
+        now = asked if time.monotonic() - asked_at < _ECHO_S else self._engine.snapshot().speed_factor
+        order = [speed or float("inf") for speed in SPEEDS]
+        place = min(range(len(order)), key=lambda i: (abs(order[i] - now) if now else -order[i], i))
+        speed = SPEEDS[min(max(place + by, 0), len(SPEEDS) - 1)]
+        self._speed = (time.monotonic(), speed)
+        self._engine.set_speed(speed)

@@ -1,0 +1,103 @@
+"""The run page: where values, program and path stand at each size and in each view (ui-guide section 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from textual.geometry import Region
+from textual.strip import Strip
+
+from tui.plot import PathPicture
+from tui.program import ProgramView
+from tui.rows import Row, beside
+from tui.values import WIDE, Shown, compact_rows, short_row, wide_rows
+
+VIEWS = ("both", "path", "values")
+#: From this size of the whole screen on, values stand beside the path, not above it.
+WIDE_COLUMNS, WIDE_ROWS = 110, 32
+#: Width of the program at 80 columns.
+NARROW = 37
+NOWHERE = Region(0, 0, 0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Areas:
+    """Where the mouse meets the program and the picture; zero-sized where one is not shown."""
+
+    program: Region = NOWHERE
+    picture: Region = NOWHERE
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """What a page is put together from."""
+
+    shown: Shown
+    picture: PathPicture
+    program: ProgramView
+
+    def path(self, width: int, height: int) -> list[Strip]:
+        """Head, picture, legend."""
+        words, snapshot, job = self.shown.words, self.shown.snapshot, self.shown.job
+        at = {axis.name: axis.actual for axis in snapshot.axes}
+        tool = None
+        if job is not None and len(at) >= 2:
+            tool = (at.get(job.plot.axes[0], 0.0), at.get(job.plot.axes[1], 0.0))
+        rows = self.picture.rows(width, height - 2, tool, self.program.chosen)
+        return [self.picture.head(width, words), *rows, self.picture.legend(width, words)]
+
+    def lines(self, width: int, height: int) -> list[Strip]:
+        """The part program; without one, how to get one."""
+        if self.shown.job is None:
+            text = Row(self.shown.look.text).add(f" {self.shown.words('no_job')}").strip(width)
+            return [text, *(Row(self.shown.look.text).strip(width) for _ in range(height - 1))]
+        return self.program.rows(width, height, self.shown.snapshot.line, self.picture.over)
+
+    def rule(self, width: int) -> Strip:
+        """A horizontal line."""
+        return Row(self.shown.look.dim).add(self.shown.look.rule() * width).strip(width)
+
+    def bar(self, height: int) -> list[Strip]:
+        """A vertical line."""
+        return [Row(self.shown.look.dim).add(self.shown.look.rule(vertical=True)).strip(1)] * height
+
+
+def is_wide(columns: int, rows: int) -> bool:
+    """Whether a screen has room for values beside the path."""
+    return columns >= WIDE_COLUMNS and rows >= WIDE_ROWS
+
+
+def run_page(parts: Parts, values: Sequence[Strip], view: str, width: int, height: int) -> tuple[list[Strip], Areas]:
+    """The rows of the page. `values`: what `value_rows` gave for this view and size."""
+    if view == "path":
+        return [*values, *parts.path(width, height - 1)], Areas(picture=Region(0, 2, width, height - 3))
+    if view == "values" or not is_wide(width, height + 3):
+        return _stacked(parts, values, view, width, height)
+    top = len(values) + 1
+    left = [*values, parts.rule(WIDE), *parts.lines(WIDE, height - top)]
+    room = width - WIDE - 1
+    rows = [beside(*row) for row in zip(left, parts.bar(height), parts.path(room, height), strict=True)]
+    return rows, Areas(Region(0, top, WIDE, height - top), Region(WIDE + 1, 1, room, height - 2))
+
+
+def _stacked(parts: Parts, values: Sequence[Strip], view: str, width: int, height: int) -> tuple[list[Strip], Areas]:
+    top = len(values) + 1
+    below = height - top
+    head = [*values, parts.rule(width)]
+    if view == "values":
+        return [*head, *parts.lines(width, below)], Areas(program=Region(0, top, width, below))
+    room = width - NARROW - 1
+    picture = parts.path(room, below + 1)[1:]  # no head line: it would cost a row
+    columns = zip(parts.lines(NARROW, below), parts.bar(below), picture, strict=True)
+    rows = [*head, *(beside(*row) for row in columns)]
+    return rows, Areas(Region(0, top, NARROW, below), Region(NARROW + 1, top, room, below - 1))
+
+
+def value_rows(shown: Shown, view: str, width: int, height: int) -> list[Strip]:
+    """Positions and progress as the view wants them."""
+    if view == "path":
+        return [short_row(shown, width)]
+    if view == "values":
+        return [strip.adjust_cell_length(width, shown.look.text) for strip in wide_rows(shown)]
+    return wide_rows(shown) if is_wide(width, height + 3) else compact_rows(shown, width)
