@@ -20,7 +20,7 @@ RUNS = [
     ("cambam-handle.nc", "mill3", ""),
     ("comments.gcode", "mill3", ""),
     ("deskproto-botomata.nc", "mill3", ""),
-    ("fanuc0t-lathe.nc", "mill3", "lathe"),
+    ("fanuc0t-lathe.nc", "mill3", "lathe"),  # F0.3 is mm/min here: 19 hours of machine time
     ("fusion-parallel-inch.nc", "mill3", ""),
     ("helix-full-turns.gcode", "mill3", ""),
     ("laser-abs-centre.tap", "mill3", ""),
@@ -67,14 +67,10 @@ OPEN = [("mach3-clamp-inch.nc", "mill3", "")]
 needs_programs = pytest.mark.skipif(not FOLDER.is_dir(), reason=f"no part programs in {FOLDER}")
 
 
-#: F in mm per minute as these lathe programs leave it: 19 hours of machine time; the factor makes it an hour or two.
-HURRIED = {"fanuc0t-lathe.nc": "10", "lathe-turn.nc": "10"}
-
-
 @needs_programs
 @pytest.mark.parametrize(("name", "machine", "profile"), RUNS, ids=[row[0] for row in RUNS])
 def test_runs_on_its_path(cli: Cli, name: str, machine: str, profile: str) -> None:
-    options = ["--override", HURRIED.get(name, "1"), *(["--profile", profile] if profile else [])]
+    options = ["--profile", profile] if profile else []
     ran = cli("run", FOLDER / name, "--json", "-q", "--machine", MACHINES / f"{machine}.toml", *options, timeout=300)
     run = ran.object
     assert ran.code == 0, (ran.err, run.get("verdict"))
