@@ -41,6 +41,12 @@ impl Pidf {
         }
     }
 
+    /// New coefficients, the past stays.
+    pub fn tune(&mut self, gains: &PidfGains, ta_s: f64) {
+        let Pidf { error, integral, output, .. } = *self;
+        *self = Pidf { error, integral, output, ..Pidf::new(gains, ta_s) };
+    }
+
     /// Forgets the past, as when the loop is closed.
     pub fn reset(&mut self) {
         (self.error, self.integral, self.output) = (0.0, 0.0, 0.0);

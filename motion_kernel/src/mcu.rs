@@ -134,7 +134,7 @@ impl Mcu {
         Mcu {
             ta,
             sample: 0,
-            loops: machine.axes.iter().map(|a| PositionLoop::new(a, ta)).collect(),
+            loops: machine.axes.iter().map(|a| PositionLoop::new(a, ta, machine.controller.clock_hz)).collect(),
             axes,
             moves: Moves::with_capacity(slots),
             lookahead: Lookahead::with_capacity(slots),

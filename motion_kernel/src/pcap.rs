@@ -100,7 +100,7 @@ impl Mcu {
             axis.dp = self.loops[a].rp();
             axis.limiting = Limiting::default();
             axis.forget_queue();
-            self.loops[a].close();
+            self.loops[a].close(0.0);
             self.set_status(a, Axst::saf | Axst::mpe | Axst::lsls | Axst::lsrs, false);
             self.axes[a].status.set(Axst::cl);
         }

@@ -1,8 +1,8 @@
-//! The position loop of one axis: plant, encoder, PIDF filter, motor command (chapters 2.1, 4.2).
+//! The position loop of one axis: plant, encoder, PIDF filter, motor command port (chapters 2.1, 4.2).
 
-use crate::controller::Pidf;
-use crate::machine::{self, DriveKind};
-use crate::plant::{ServoPlant, whole};
+use crate::controller::{FULL_SCALE, Pidf};
+use crate::machine::{self, DriveKind, PidfGains};
+use crate::plant::{MOST_DELAY_WRITTEN, ServoPlant, Stepper, whole};
 
 /// Loop and plant of an axis.
 #[derive(Debug)]
@@ -10,9 +10,12 @@ pub struct PositionLoop {
     pub closed: bool,
     counts_per_unit: f64,
     unit_per_count: f64,
+    ta_s: f64,
+    gains: PidfGains,
     drive: Drive,
-    /// Encoder position in whole counts.
+    /// Encoder position in whole counts, now and a sample ago.
     counts: i64,
+    counts_before: i64,
 }
 
 #[derive(Debug)]
@@ -24,14 +27,15 @@ enum Drive {
         velocity: f64,
         digits: f64,
     },
-    /// Whole steps follow the set point of the sample before.
+    /// In closed loop whole steps follow the set point of the sample before, else pulses run at the rate of mcp.
     Stepper {
         target: i64,
+        stepper: Stepper,
     },
 }
 
 impl PositionLoop {
-    pub fn new(axis: &machine::Axis, ta: f64) -> Self {
+    pub fn new(axis: &machine::Axis, ta: f64, clock_hz: f64) -> Self {
         let counts = whole(axis.start * axis.counts_per_unit);
         let drive = match axis.drive {
             DriveKind::Servo => Drive::Servo {
@@ -41,20 +45,27 @@ impl PositionLoop {
                 velocity: 0.0,
                 digits: 0.0,
             },
-            DriveKind::Stepper => Drive::Stepper { target: counts },
+            DriveKind::Stepper => Drive::Stepper { target: counts, stepper: Stepper::new(clock_hz, ta, counts) },
         };
         PositionLoop {
             closed: false,
             counts_per_unit: axis.counts_per_unit,
             unit_per_count: 1.0 / axis.counts_per_unit,
+            ta_s: ta,
+            gains: axis.pidf,
             drive,
             counts,
+            counts_before: counts,
         }
     }
     /// Encoder position, axis units.
     #[inline]
     pub fn rp(&self) -> f64 {
         self.counts as f64 * self.unit_per_count
+    }
+    /// Actual velocity: what the encoder counted in the last sample, axis units/s.
+    pub fn rv(&self) -> f64 {
+        (self.counts - self.counts_before) as f64 * self.unit_per_count / self.ta_s
     }
     /// Position of the load side, axis units (design D21).
     #[inline]
@@ -67,23 +78,32 @@ impl PositionLoop {
     /// The drive follows the last motor command for one sample.
     #[inline]
     pub fn step_plant(&mut self) {
+        self.counts_before = self.counts;
         match &mut self.drive {
             Drive::Servo { plant, digits, .. } => {
                 plant.step(*digits);
                 self.counts = plant.counts();
             }
-            Drive::Stepper { target } => self.counts = *target,
+            Drive::Stepper { target, stepper } => {
+                if self.closed {
+                    stepper.follow(*target);
+                } else {
+                    stepper.run();
+                }
+                self.counts = stepper.counts;
+            }
         }
     }
     /// The filter computes the next motor command for set point `dp` moving at `dv` (axis units). Towards the
-    /// side `motor_off` (-1, +1; 0 = none) the motor gets no command (limit function TOM).
+    /// side `motor_off` (-1, +1; 0 = none) the motor gets no command (limit function TOM). In open loop the
+    /// motor command stays what it is.
     #[inline]
     pub fn control(&mut self, dp: f64, dv: f64, motor_off: f64) {
+        if !self.closed {
+            return;
+        }
         match &mut self.drive {
             Drive::Servo { filter, per_sample, velocity, digits, .. } => {
-                if !self.closed {
-                    return; // open loop: the motor command stays what it is
-                }
                 let v = dv * self.counts_per_unit;
                 let a = (v - *velocity) * *per_sample;
                 *velocity = v;
@@ -92,7 +112,7 @@ impl PositionLoop {
                     *digits = 0.0;
                 }
             }
-            Drive::Stepper { target } => {
+            Drive::Stepper { target, .. } => {
                 let wanted = whole(dp * self.counts_per_unit);
                 if (wanted - *target) as f64 * motor_off <= 0.0 {
                     *target = wanted;
@@ -100,18 +120,62 @@ impl PositionLoop {
             }
         }
     }
-    pub fn close(&mut self) {
+    /// Closes the loop at the present position; `dv` is the velocity the set point starts with.
+    pub fn close(&mut self, dv: f64) {
         self.closed = true;
-        if let Drive::Servo { filter, velocity, .. } = &mut self.drive {
-            filter.reset();
-            *velocity = 0.0;
+        match &mut self.drive {
+            Drive::Servo { filter, velocity, .. } => {
+                filter.reset();
+                *velocity = dv * self.counts_per_unit;
+            }
+            Drive::Stepper { target, .. } => *target = self.counts,
         }
     }
     /// Opening the loop puts 0 on the motor command port (2.1.1).
     pub fn open(&mut self) {
         self.closed = false;
-        if let Drive::Servo { digits, .. } = &mut self.drive {
-            *digits = 0.0;
+        self.set_mcp(0);
+    }
+
+    /// Value of the motor command port (4.4.88): digits of a servo axis, delay of a stepper axis.
+    pub fn mcp(&self) -> i32 {
+        match &self.drive {
+            Drive::Servo { digits, .. } => whole(*digits) as i32,
+            Drive::Stepper { stepper, .. } => stepper.mcp,
+        }
+    }
+    /// Writes the motor command port (4.4.162), within its range. A closed loop overwrites it in the next sample.
+    pub fn set_mcp(&mut self, mcp: i32) {
+        match &mut self.drive {
+            Drive::Servo { digits, .. } => *digits = f64::from(mcp).clamp(-FULL_SCALE, FULL_SCALE),
+            Drive::Stepper { stepper, .. } => stepper.mcp = mcp.clamp(-MOST_DELAY_WRITTEN, MOST_DELAY_WRITTEN),
+        }
+    }
+    pub fn gains(&self) -> &PidfGains {
+        &self.gains
+    }
+    /// New filter coefficients; the state of the filter goes on (uf, 4.4.131).
+    pub fn set_gains(&mut self, gains: &PidfGains) {
+        self.gains = *gains;
+        if let Drive::Servo { filter, .. } = &mut self.drive {
+            filter.tune(gains, self.ta_s);
+        }
+    }
+    /// Gives the present position another coordinate (wrrp, 4.4.167).
+    pub fn set_rp(&mut self, rp: f64) {
+        let counts = whole(rp * self.counts_per_unit);
+        let shift = counts - self.counts;
+        (self.counts, self.counts_before) = (counts, self.counts_before + shift);
+        match &mut self.drive {
+            Drive::Servo { plant, .. } => plant.push(shift as f64 * self.unit_per_count),
+            Drive::Stepper { target, stepper } => (*target, stepper.counts) = (counts, counts),
+        }
+    }
+    /// The mechanics of a servo axis, to play faults.
+    pub fn plant_mut(&mut self) -> Option<&mut ServoPlant> {
+        match &mut self.drive {
+            Drive::Servo { plant, .. } => Some(plant),
+            Drive::Stepper { .. } => None,
         }
     }
 }

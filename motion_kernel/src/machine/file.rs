@@ -86,6 +86,7 @@ impl Default for Controller {
             direct_latency: 2,
             statements_per_sample: 20,
             lookahead_depth: 0,
+            clock_hz: 66.66666e6, // APCI-8008; 70 MHz on the APCI-8001
         }
     }
 }
@@ -98,6 +99,7 @@ fn controller(section: Section<'_, '_>) -> Controller {
         direct_latency: section.integer("direct_latency", 0..=100, default.direct_latency),
         statements_per_sample: section.integer("statements_per_sample", 1..=100_000, default.statements_per_sample),
         lookahead_depth: section.integer("lookahead_depth", 0..=1_000_000, default.lookahead_depth),
+        clock_hz: section.number("clock_hz", "Hz", 1e6..=1e9, default.clock_hz),
     };
     section.done();
     controller
@@ -143,6 +145,8 @@ fn axis(section: Section<'_, '_>) -> Axis {
 
 pub(super) const KINDS: [(&str, AxisKind); 2] = [("linear", AxisKind::Linear), ("rotary", AxisKind::Rotary)];
 pub(super) const DRIVES: [(&str, DriveKind); 2] = [("servo", DriveKind::Servo), ("stepper", DriveKind::Stepper)];
+pub(super) const CONTROLS: [(&str, DriveControl); 2] =
+    [("velocity", DriveControl::Velocity), ("torque", DriveControl::Torque)];
 pub(super) const LIMIT_FUNCTIONS: [(&str, LimitFunction); 4] = [
     ("off", LimitFunction::Off),
     ("TOM", LimitFunction::Tom),
@@ -195,18 +199,36 @@ fn pidf(section: Section<'_, '_>) -> PidfGains {
 
 impl Plant {
     /// A drive with a quarter of reserve over the rapid speed.
-    pub(super) fn for_rapid(rapid: f64) -> Plant {
-        Plant { lag_s: 0.003, full_speed: 1.25 * rapid, backlash: 0.0 }
+    pub fn for_rapid(rapid: f64) -> Plant {
+        Plant {
+            control: DriveControl::Velocity,
+            lag_s: 0.003,
+            full_speed: 1.25 * rapid,
+            backlash: 0.0,
+            full_acceleration: 0.0,
+            inertia: 1.0,
+            friction: 0.0,
+            damping: 0.0,
+        }
     }
 }
 
 fn plant(section: Section<'_, '_>, rapid: f64, unit: &str) -> Plant {
     let default = Plant::for_rapid(rapid);
+    let acc_unit = format!("{unit}/s2");
     let plant = Plant {
+        control: section.word("control", &CONTROLS, default.control),
         lag_s: section.number("lag_s", "s", 0.0..=10.0, default.lag_s),
         full_speed: section.number("full_speed", &format!("{unit}/s"), TINY..=BIG, default.full_speed),
         backlash: section.number("backlash", unit, 0.0..=BIG, 0.0),
+        full_acceleration: section.number("full_acceleration", &acc_unit, 0.0..=BIG, 0.0),
+        inertia: section.number("inertia", "", 1e-3..=1e3, 1.0),
+        friction: section.number("friction", &acc_unit, 0.0..=BIG, 0.0),
+        damping: section.number("damping", "1/s", 0.0..=1e6, 0.0),
     };
+    if plant.control == DriveControl::Torque && plant.full_acceleration == 0.0 {
+        section.finding("control", "MC104", "a torque-controlled drive needs full_acceleration");
+    }
     section.done();
     plant
 }

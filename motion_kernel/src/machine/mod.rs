@@ -38,6 +38,8 @@ pub struct Controller {
     pub statements_per_sample: u32,
     /// Look-ahead depth in entries; 0 = the whole spooler.
     pub lookahead_depth: u32,
+    /// Clock of the pulse generators of stepper axes (4.4.162).
+    pub clock_hz: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,11 +125,26 @@ pub struct PidfGains {
 /// Drive and mechanics of an axis (design D8).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plant {
-    /// First-order lag of the velocity loop, s.
+    pub control: DriveControl,
+    /// First-order lag of the velocity loop or of the torque, s.
     pub lag_s: f64,
-    /// Axis velocity at 10 V.
+    /// Axis velocity at 10 V; torque control: highest velocity.
     pub full_speed: f64,
     pub backlash: f64,
+    /// Acceleration of inertia 1: at 10 V under torque control, else the most the drive gives; 0 = no bound.
+    pub full_acceleration: f64,
+    /// Inertia of drive and load; 1 = that which `full_acceleration`, `friction` and `damping` refer to.
+    pub inertia: f64,
+    /// Deceleration of inertia 1 by dry friction, and per velocity by viscous friction (torque control only).
+    pub friction: f64,
+    pub damping: f64,
+}
+
+/// What the motor command means to the drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriveControl {
+    Velocity,
+    Torque,
 }
 
 /// Defaults of a G-code run (design D19, din66025.md).

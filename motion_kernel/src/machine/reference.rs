@@ -37,6 +37,7 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ("controller.direct_latency", "Samples from a direct command to its effect (design D2).", ""),
     ("controller.statements_per_sample", "Statements of a CNC task in one sample (design D4).", ""),
     ("controller.lookahead_depth", "Entries that the look-ahead considers; 0 = all that are spooled.", ""),
+    ("controller.clock_hz", "Clock of the step pulses (4.4.162): 66.66666 MHz APCI-8008, 70 MHz APCI-8001.", ""),
     ("axis.name", "1 to 8 letters, digits or _, a letter first; unique.", "required"),
     (
         "axis.letter",
@@ -73,8 +74,17 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ("axis.pidf.kpl", "Shortens the lag of the filter to (1 - kpl) * TA / 2 (2.1.2.2); not above 0.95.", ""),
     ("axis.pidf.kfcv", "Feed-forward of velocity, digits per count/s.", ""),
     ("axis.pidf.kfca", "Feed-forward of acceleration, digits per count/s2.", ""),
-    ("axis.plant.lag_s", "First-order lag of the velocity-controlled drive.", ""),
-    ("axis.plant.full_speed", "Axis velocity at 10 V.", "1.25 * rapid"),
+    ("axis.plant.control", "What the motor command means to the drive: a velocity or a torque.", ""),
+    ("axis.plant.lag_s", "First-order lag of the velocity loop; torque control: of the torque.", ""),
+    ("axis.plant.full_speed", "Axis velocity at 10 V; torque control: the highest there is.", "1.25 * rapid"),
+    (
+        "axis.plant.full_acceleration",
+        "Acceleration of inertia 1: at 10 V (torque control, needed there), else the most the drive gives; 0 = no bound.",
+        "",
+    ),
+    ("axis.plant.inertia", "Inertia of drive and load, 1 = as in the other values.", ""),
+    ("axis.plant.friction", "Deceleration of inertia 1 by dry friction (torque control).", ""),
+    ("axis.plant.damping", "Deceleration of inertia 1 per velocity by viscous friction (torque control).", ""),
     ("axis.plant.backlash", "Play between motor (encoder) and load.", ""),
     (
         "gcode.modereg",

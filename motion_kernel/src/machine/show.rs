@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Write};
 
-use super::file::{DRIVES, KINDS, LIMIT_FUNCTIONS};
+use super::file::{CONTROLS, DRIVES, KINDS, LIMIT_FUNCTIONS};
 use super::gcode::{ARC_CENTRES, DWELL_UNITS, PROFILES};
 use super::*;
 use crate::registers::ModeReg;
@@ -55,6 +55,7 @@ impl Out {
         self.value("direct_latency", c.direct_latency);
         self.value("statements_per_sample", c.statements_per_sample);
         self.value("lookahead_depth", c.lookahead_depth);
+        self.value("clock_hz", number(c.clock_hz));
     }
     fn axis(&mut self, a: &Axis) {
         self.line("\n[[axis]]");
@@ -94,11 +95,20 @@ impl Out {
                 "{{ kp = {kp:?}, ki = {ki:?}, kd = {kd:?}, kpl = {kpl:?}, kfcv = {kfcv:?}, kfca = {kfca:?} }}"
             ),
         );
-        let Plant { lag_s, full_speed, backlash } = a.plant;
-        self.value(
-            "plant",
-            format_args!("{{ lag_s = {lag_s:?}, full_speed = {full_speed:?}, backlash = {backlash:?} }}"),
-        );
+        self.line("[axis.plant]");
+        self.text("control", word(&CONTROLS, &a.plant.control));
+        let numbers = [
+            ("lag_s", a.plant.lag_s),
+            ("full_speed", a.plant.full_speed),
+            ("backlash", a.plant.backlash),
+            ("full_acceleration", a.plant.full_acceleration),
+            ("inertia", a.plant.inertia),
+            ("friction", a.plant.friction),
+            ("damping", a.plant.damping),
+        ];
+        for (key, value) in numbers {
+            self.value(key, number(value));
+        }
     }
     fn gcode(&mut self, g: &GcodeDefaults, axes: &[Axis]) {
         self.line("\n[gcode]");

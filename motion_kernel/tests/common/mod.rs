@@ -35,7 +35,7 @@ fn axis(name: char, kind: AxisKind) -> Axis {
         ipw: 0.01,
         limits: None,
         pidf: PidfGains::default(),
-        plant: Plant { lag_s: 0.0, full_speed: 300.0, backlash: 0.0 },
+        plant: Plant { lag_s: 0.0, ..Plant::for_rapid(240.0) },
         effradius: 57.29577951308232,
         start: 0.0,
         reference: 0.0,
@@ -55,6 +55,7 @@ pub fn machine(letters: &str) -> Machine {
             direct_latency: 2,
             statements_per_sample: 20,
             lookahead_depth: 0,
+            clock_hz: 70e6,
         },
         gcode: GcodeDefaults {
             trac_feed: 500.0,
