@@ -118,6 +118,7 @@ class _Plotting:
             sample_time_s=machine.sample_time_us * 1e-6,
             polyline=self.polyline,
             plot_deviation_mm=np.asarray(watched),
+            plot_signed_mm=np.asarray(self.tracker.watched_signed()),
             blocks=self.path.blocks(),
             measured=self.tracker.blocks(),
             series=self.tracker.series(),

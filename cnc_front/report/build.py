@@ -93,12 +93,16 @@ def _write_pictures(report: ReportInput, folder: Path) -> None:
     from toolpaths.raster import path_picture, write_png
 
     folder.mkdir(exist_ok=True)
-    points = report.polyline["points"]
+    points, rapid = report.polyline["points"], report.polyline["rapid"]
     limit_um = report.run["verdict"]["tolerance_mm"] * 1e3
+    deviation_um, signed_um = report.plot_deviation_mm * 1e3, report.plot_signed_mm * 1e3
     for name, (a, b) in views(report.axes).items():
-        plane = points[:, [a, b]]
-        picture = path_picture(plane, report.polyline["rapid"], report.plot_deviation_mm * 1e3, limit_um)
+        plane, axes = points[:, [a, b]], (report.axes[a], report.axes[b])
+        picture = path_picture(plane, rapid, deviation_um, limit_um, axes=axes)
         write_png(folder / f"path-{name.lower()}.png", picture)
+        if (a, b) == (0, 1):  # the plane in which deviations have a sign
+            picture = path_picture(plane, rapid, deviation_um, limit_um, axes=axes, signed_um=signed_um)
+            write_png(folder / f"path-{name.lower()}-magnified.png", picture)
 
 
 def views(axes: list[str]) -> dict[str, tuple[int, int]]:

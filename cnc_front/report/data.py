@@ -43,6 +43,7 @@ class ReportInput:
     sample_time_s: float
     polyline: dict[str, NDArray[Any]]
     plot_deviation_mm: NDArray[np.float32]
+    plot_signed_mm: NDArray[np.float32]
     blocks: dict[str, NDArray[Any]]
     measured: dict[str, NDArray[Any]]
     series: dict[str, Any]

@@ -58,6 +58,9 @@ pub struct Path {
     pub arc_end_error_mm: f64,
 }
 
+/// A plotted feed line is cut into pieces of about this share of the whole path.
+const LINE_PIECES: f64 = 1000.0;
+
 /// Widths that the inner loops are compiled for.
 pub(crate) const WIDTHS: [usize; 4] = [3, 4, 6, MAX_AXES];
 
@@ -312,19 +315,23 @@ impl Path {
     }
 
     /// The path as a polyline whose chords stay within `chord_mm` of it, with at most about `max_points` vertices:
-    /// beyond that the chord error of arcs is doubled, then blocks are thinned out. First vertex: the start.
+    /// beyond that the chord error of arcs is doubled, then blocks are thinned out. Long feed lines are cut too, so
+    /// that a deviation shows where it is. First vertex: the start.
     pub fn polyline(&self, chord_mm: f64, max_points: usize) -> Polyline {
         let mut chord = chord_mm.max(1e-6);
-        let count = |chord: f64| self.segments.iter().map(|s| self.pieces(s, chord)).sum::<usize>();
-        while count(chord) > max_points.max(2) && chord < 1.0 {
+        let mut line_mm = self.length / LINE_PIECES;
+        let count =
+            |chord: f64, line_mm: f64| self.segments.iter().map(|s| self.pieces(s, chord, line_mm)).sum::<usize>();
+        while count(chord, line_mm) > max_points.max(2) && chord < 1.0 {
             chord *= 2.0;
+            line_mm *= 4.0;
         }
-        let keep_every = count(chord).div_ceil(max_points.max(2)).max(1);
+        let keep_every = count(chord, line_mm).div_ceil(max_points.max(2)).max(1);
         let mut line = Polyline::default();
         line.push(&self.start, self.blocks.first().map_or(0, |b| b.line), true, 0.0);
         for (i, segment) in self.segments.iter().enumerate() {
             let block = self.blocks[segment.block as usize];
-            let pieces = self.pieces(segment, chord);
+            let pieces = self.pieces(segment, chord, line_mm);
             // thinning never drops the last point, nor the ends of rapids, which tie the picture together
             if keep_every > 1 && !block.rapid && i % keep_every != 0 && i + 1 != self.segments.len() {
                 continue;
@@ -337,8 +344,11 @@ impl Path {
         line
     }
 
-    fn pieces(&self, segment: &Segment, chord: f64) -> usize {
-        let Some(c) = self.circles.get(segment.circle as usize) else { return 1 };
+    fn pieces(&self, segment: &Segment, chord: f64, line_mm: f64) -> usize {
+        let Some(c) = self.circles.get(segment.circle as usize) else {
+            let whole = self.blocks[segment.block as usize].rapid || segment.length <= line_mm;
+            return if whole { 1 } else { (segment.length / line_mm).ceil() as usize };
+        };
         let step = 2.0 * (1.0 - (chord / c.radius).min(1.0)).acos();
         (segment.length * c.rate.abs() / step.min(1.0)).ceil().clamp(1.0, 1e6) as usize
     }

@@ -123,19 +123,23 @@ struct Trace {
 struct Watched {
     s_mm: Vec<f64>,
     max_mm: Vec<f32>,
+    /// Signed deviation in the plane where the largest was found.
+    signed_mm: Vec<f32>,
     at: usize,
 }
 
 impl Watched {
     #[inline]
-    fn add(&mut self, s: f64, deviation: f32) {
+    fn add(&mut self, s: f64, deviation: f32, signed: f32) {
         while self.at + 1 < self.s_mm.len() && s > self.s_mm[self.at] {
             self.at += 1;
             // a piece that no sample fell into has the deviation with which it was passed
             self.max_mm[self.at] = deviation;
+            self.signed_mm[self.at] = signed;
         }
-        if let Some(max) = self.max_mm.get_mut(self.at) {
-            *max = max.max(deviation);
+        if let Some(max) = self.max_mm.get_mut(self.at).filter(|max| max.is_nan() || deviation > **max) {
+            *max = deviation;
+            self.signed_mm[self.at] = signed;
         }
     }
 }
@@ -182,13 +186,20 @@ impl Tracker {
 
     /// Also collects the largest deviation per piece of a polyline, given by the path length at its vertices.
     pub fn watch(&mut self, s_mm: &[f64]) {
-        self.watched = Watched { s_mm: s_mm.to_vec(), max_mm: vec![f32::NAN; s_mm.len()], at: 0 };
+        let none = vec![f32::NAN; s_mm.len()];
+        self.watched = Watched { s_mm: s_mm.to_vec(), max_mm: none.clone(), signed_mm: none, at: 0 };
     }
 
     /// Largest deviation of the load side on the piece that ends at each vertex of the watched polyline,
     /// NaN where it was not yet driven; and the vertex being approached.
     pub fn watched(&self) -> (&[f32], usize) {
         (&self.watched.max_mm, self.watched.at)
+    }
+
+    /// Signed deviation in the plane, + = left, where the values of [`Tracker::watched`] were found; NaN where the
+    /// path has no direction in the plane.
+    pub fn watched_signed(&self) -> &[f32] {
+        &self.watched.signed_mm
     }
 
     /// Measures a chunk. The columns must have matching lengths (rows of `axes` values).
@@ -227,7 +238,7 @@ impl Tracker {
             self.over_length.add(s_set, set_mm, s_actual, actual_mm, signed as f32);
             let curves = [step.speed, step.programmed, chunk.factor[k], actual.deviation];
             self.over_time.add(curves, dp, rp);
-            self.watched.add(s_actual, actual_mm);
+            self.watched.add(s_actual, actual_mm, signed as f32);
 
             put(out.actual_mm, k, actual_mm);
             put(out.setpoint_mm, k, set_mm);

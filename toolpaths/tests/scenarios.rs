@@ -279,6 +279,9 @@ fn extents_and_polyline_contain_what_arcs_reach() {
         assert!((r - 5.0).abs() < 1e-9, "vertex {k}");
     }
     assert!(line.s_mm.windows(2).all(|w| w[1] > w[0]));
+    // long lines are cut, so that a deviation shows where it is
+    assert!(line.s_mm.windows(2).all(|w| w[1] - w[0] < 0.005 * path.length_mm()));
+    assert!(line.points.chunks(3).filter(|xyz| xyz[1] == 0.0 && xyz[2] == 0.0).count() > 100);
     // chord error is kept
     let arc = line.lines.iter().filter(|&&l| l == 20).count() as f64;
     let step = std::f64::consts::PI / arc;
@@ -335,4 +338,6 @@ fn a_watched_polyline_gets_the_deviation_of_each_piece() {
     let (max, at) = feed(half, run.len());
     assert_eq!(at, 6);
     assert!(max[6] < 0.0041, "{max:?}");
+    // shifted up, to the left of a line to the right
+    assert!((tracker.watched_signed()[5] - 0.004).abs() < 1e-6);
 }

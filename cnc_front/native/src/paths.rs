@@ -131,6 +131,11 @@ impl Tracker {
         (PyArray1::from_slice(py, values), at)
     }
 
+    /// Signed deviation in the plane, + = left, where the values of `watched` were found; NaN without direction there.
+    fn watched_signed<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        PyArray1::from_slice(py, self.inner.watched_signed())
+    }
+
     /// Measures a chunk of the controller; returns the deviation of the load side per sample (f32, mm).
     fn feed<'py>(&mut self, py: Python<'py>, chunk: &Chunk) -> PyResult<Bound<'py, PyArray1<f32>>> {
         let (dp, load, rp) =
