@@ -20,8 +20,10 @@ pub const SLACK_MM: f64 = 0.02;
 pub const ADVANCE: f64 = 2.0;
 /// Window growth in multiples of the distance from the path: less than a full turn of a circle even at its centre.
 const CORNER_REACH: f64 = 4.0;
-/// Squared distances closer than this are ties (1e-10 mm).
-const TIE_D2: f64 = 1e-20;
+/// Distances closer than this are ties; rounding of coordinates of some metres stays well below.
+const TIE_MM: f64 = 1e-10;
+/// A sample closer than that is on the path.
+const ON_PATH_D2: f64 = TIE_MM * TIE_MM;
 /// A foot this close to the end of its window is at the end.
 const ARRIVED_MM: f64 = 1e-9;
 
@@ -102,7 +104,7 @@ impl Follower {
         let last_d2 = self.d2;
         let found = nearest_until(path, x, before, reach, self.radial);
         self.take(found);
-        if self.d2 > TIE_D2 {
+        if self.d2 > ON_PATH_D2 {
             self.look_further(path, x, before, last_d2, reach, time_s, cap_s);
         } else {
             self.stuck_s = 0.0;
@@ -143,9 +145,7 @@ impl Follower {
         let cap = cap_s.min(path.reach(before, ADVANCE * time_s + self.stuck_s) + SLACK_MM);
         let cap = if cap_s.is_finite() { cap_s } else { cap };
         let near = &path.segments[self.foot.segment];
-        // both legs of a sharp corner, equally far from its tip
-        let legs = if near.sharp_end { 2.0 * (near.length - self.foot.t) } else { 0.0 };
-        let corner = (path.s_of(self.foot) + CORNER_REACH * self.d2.sqrt() + legs).max(reach).min(cap);
+        let corner = (path.s_of(self.foot) + CORNER_REACH * self.d2.sqrt()).max(reach).min(cap);
         // within a piece of one segment, what lies behind a foot before the window's end is further away
         let there = path.s_of(self.foot);
         let piece_end = there + path.shape::<N>(self.foot.segment).piece();
@@ -153,7 +153,7 @@ impl Follower {
         if corner > reach && !same_piece {
             let from = path.place_near(self.foot, reach);
             let found = nearest_until(path, x, from, corner, None);
-            if found.d2 < self.d2 - TIE_D2 {
+            if nearer(found.d2, self.d2) {
                 self.take(found);
             }
         }
@@ -161,7 +161,7 @@ impl Follower {
             self.descend(path, x, cap);
         }
         let stands = self.foot == before;
-        let leaves = self.d2 > last_d2 * (1.0 + 1e-9) + TIE_D2;
+        let leaves = nearer(last_d2, self.d2);
         if stands && (leaves || self.stuck_s > 0.0) {
             self.stuck_s += time_s;
             self.hop(path, x, cap);
@@ -177,7 +177,7 @@ impl Follower {
         let mut from = self.foot;
         while let Some(piece) = path.piece_at::<N>(from, cap) {
             let near = path.nearest_in(x, piece, None);
-            if near.d2 > self.d2 - TIE_D2 && near.t > piece.a {
+            if near.t > piece.a && !nearer(near.d2, self.d2) {
                 break;
             }
             if near.d2 <= self.d2 {
@@ -193,10 +193,10 @@ impl Follower {
     /// Takes the first place ahead that is nearer than the present foot.
     fn hop<const N: usize>(&mut self, path: &Path, x: &mut Sample<N>, cap: f64) {
         let mut from = self.foot;
-        let enough = self.d2 * (1.0 - 1e-6) - TIE_D2;
+        let stuck_d2 = self.d2;
         while let Some(piece) = path.piece_at::<N>(from, cap) {
             let near = path.nearest_in(x, piece, None);
-            if near.d2 < enough {
+            if nearer(near.d2, stuck_d2) {
                 self.take(near.on(piece));
                 self.stuck_s = 0.0;
                 return self.descend(path, x, cap);
@@ -204,6 +204,12 @@ impl Follower {
             from = Place { segment: piece.segment, t: piece.b };
         }
     }
+}
+
+/// Whether a squared distance is less than another by more than a tie.
+#[inline]
+fn nearer(d2: f64, than_d2: f64) -> bool {
+    d2 < than_d2 && d2.sqrt() < than_d2.sqrt() - TIE_MM
 }
 
 /// Part of a segment on which the distance has one minimum.
@@ -229,10 +235,10 @@ fn nearest_until<const N: usize>(path: &Path, x: &mut Sample<N>, from: Place, to
     let radial = if first.segment == from.segment { radial } else { None };
     let mut best = path.nearest_in(x, first, radial).on(first);
     let mut last = first;
-    while best.d2 > TIE_D2 {
+    while best.d2 > ON_PATH_D2 {
         let Some(piece) = path.piece_at::<N>(Place { segment: last.segment, t: last.b }, to) else { break };
         let near = path.nearest_in(x, piece, None);
-        if near.d2 < best.d2 - TIE_D2 {
+        if nearer(near.d2, best.d2) {
             best = near.on(piece);
         }
         last = piece;

@@ -117,7 +117,6 @@ impl Path {
             circle: LINE,
             block: 0,
             scale: 0,
-            sharp_end: false,
         });
         let start = self.scaled(0, &here);
         self.starts.extend_from_slice(&start);
@@ -223,34 +222,13 @@ impl Path {
             circle,
             block: self.blocks.len() as u32 - 1,
             scale: seq.effradius_of[i],
-            sharp_end: false,
         });
         self.starts.extend_from_slice(from);
         self.slopes.extend_from_slice(slope);
         self.length += length;
-        self.mark_sharp_corner();
         if let Some(block) = self.blocks.last_mut() {
             block.length += length;
         }
-    }
-
-    /// Marks the end of the last segment but one if the path turns back there.
-    fn mark_sharp_corner(&mut self) {
-        let Some(before) = self.segments.len().checked_sub(2) else { return };
-        let (arriving, leaving) = (self.tangent(before, self.segments[before].length), self.tangent(before + 1, 0.0));
-        self.segments[before].sharp_end = arriving.iter().zip(&leaving).map(|(a, l)| a * l).sum::<f64>() < 0.0;
-    }
-
-    /// Unit tangent at `t` mm from the start of a segment.
-    fn tangent(&self, i: usize, t: f64) -> [f64; MAX_AXES] {
-        let mut tangent = [0.0; MAX_AXES];
-        tangent[..self.width].copy_from_slice(&self.slopes[i * self.width..(i + 1) * self.width]);
-        if let Some(c) = self.circles.get(self.segments[i].circle as usize) {
-            let (sin, cos) = (c.theta0 + t * c.rate).sin_cos();
-            tangent[c.c1] = -c.radius * c.rate * sin;
-            tangent[c.c2] = c.radius * c.rate * cos;
-        }
-        tangent
     }
 
     fn scaled(&self, row: u16, point: &[f64]) -> Vec<f64> {

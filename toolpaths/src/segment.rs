@@ -21,8 +21,6 @@ pub struct Segment {
     pub block: u32,
     /// Row of axis scales (effective radii).
     pub scale: u16,
-    /// The path turns back at its end, by more than a right angle.
-    pub sharp_end: bool,
 }
 
 /// The circular part of a circle or helix.
