@@ -1,18 +1,24 @@
-//! Checks part programs, or times it: `cargo run --release --example check -- [--time] [--machine FILE] [--profile P] FILE...`
+//! Checks part programs, times it or runs it: `cargo run --release --example check -- [--time] [--run] [--machine FILE] [--profile P] FILE...`
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use gcode::{Options, compile, listing_text};
+use motion_kernel::autocode::Program;
 use motion_kernel::machine::{Machine, Profile};
+use motion_kernel::trace::Trace;
+use motion_kernel::{Mcu, Stop};
 
 fn main() {
     let mut options = Options::default();
-    let (mut machine, mut time, mut list, mut files) = (Machine::builtin(), false, false, Vec::new());
+    let (mut machine, mut time, mut list, mut run) = (Machine::builtin(), false, false, false);
+    let mut files = Vec::new();
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--time" => time = true,
             "--list" => list = true,
+            "--run" => run = true,
             "--check-only" => options.check_only = true,
             "--machine" => {
                 let text = std::fs::read(arguments.next().expect("a machine file")).expect("readable");
@@ -50,5 +56,29 @@ fn main() {
         if let (Some(program), true) = (&compiled.program, list) {
             listing_text(program, &machine).for_each(|row| println!("{row}"));
         }
+        if let (Some(program), true) = (compiled.program, run) {
+            println!("{file}: {}", execute(program, &machine));
+        }
     }
+}
+
+/// Runs a program on the emulated controller: how it ended, samples, bits in ErrorReg.
+fn execute(program: Program, machine: &Machine) -> String {
+    let mut mcu = Mcu::new(Arc::new(machine.clone()));
+    mcu.prepare_gcode();
+    mcu.load(0, Arc::new(program));
+    mcu.startcnct(0);
+    let mut trace = Trace::new(machine.axes.len(), 4096);
+    for _ in 0..20_000 {
+        trace.restart(mcu.samples());
+        match mcu.advance(4096, &mut trace).stop {
+            Stop::Budget => {}
+            Stop::Acknowledge { .. } => mcu.acknowledge(),
+            stop => {
+                let bits: Vec<&str> = mcu.errorreg().names().collect();
+                return format!("{stop:?} after {} samples, ErrorReg {bits:?}", mcu.samples());
+            }
+        }
+    }
+    "not at the end".to_owned()
 }

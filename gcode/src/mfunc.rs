@@ -5,7 +5,7 @@ use motion_kernel::axes::AxisSet;
 use motion_kernel::registers::ModeReg;
 
 use crate::block::{AXIS_LETTERS, Block, GWord, Item, Statement, bit, mask};
-use crate::codes::Group;
+use crate::codes::{Group, number};
 use crate::diagnostics::{Check, Fault, Id, Span};
 use crate::dialect::Dialect;
 use crate::translate::{Call, Flow, Translator};
@@ -23,6 +23,30 @@ pub mod spool {
     pub const WAIT_HOST: u16 = 1025;
     pub const WRITE_CD: u16 = 20000;
 }
+
+/// Letters of a G65 block and the variables they set (Fanuc, first table; M is 13).
+const MACRO_ARGUMENTS: [(u8, usize); 20] = [
+    (b'A', 1),
+    (b'B', 2),
+    (b'C', 3),
+    (b'I', 4),
+    (b'J', 5),
+    (b'K', 6),
+    (b'D', 7),
+    (b'E', 8),
+    (b'F', 9),
+    (b'H', 11),
+    (b'Q', 17),
+    (b'R', 18),
+    (b'S', 19),
+    (b'T', 20),
+    (b'U', 21),
+    (b'V', 22),
+    (b'W', 23),
+    (b'X', 24),
+    (b'Y', 25),
+    (b'Z', 26),
+];
 
 /// Outputs to be set and reset by one block: one entry each, reset first.
 #[derive(Clone, Copy, Debug, Default)]
@@ -354,6 +378,28 @@ impl Translator<'_> {
         self.used |= bit(b'O');
         let count = block.integer(b'O').unwrap_or(1);
         self.counted(block, name, count, span)
+    }
+    /// `G65 P<n> [L] A.. B..`: a call with a set of #1..#33 of its own.
+    pub(crate) fn macro_call(&mut self, block: &Block, g: &GWord) -> Check<Flow> {
+        if !self.dialect.macros {
+            return Err(Fault::with(Id::GC305, g.span, &[&"65"]));
+        }
+        if let Some(other) = block.g.iter().find(|w| w.code.tenths != 650) {
+            let (one, two) = (number(other.code.tenths), number(g.code.tenths));
+            return Err(Fault::with(Id::GC303, other.span, &[&format!("G{two}"), &format!("G{one}")]));
+        }
+        self.used = u32::MAX;
+        let p = block.whole(b'P')?.ok_or_else(|| Fault::new(Id::GC612, g.span))?;
+        let mut arguments: Vec<(usize, f64)> =
+            MACRO_ARGUMENTS.iter().filter_map(|(letter, n)| block.value(*letter).map(|v| (*n, v))).collect();
+        if let Some(m) = block.m.first() {
+            arguments.push((13, f64::from(m.number)));
+        }
+        let count = block.integer(b'L').unwrap_or(1);
+        if count > 9999 {
+            return Err(Fault::with(Id::GC616, block.span_of(b'L'), &[&count]));
+        }
+        Ok(Flow::Call(Call { name: p.to_string(), count, arguments: Some(arguments), span: g.span }))
     }
     fn counted(&mut self, block: &Block, name: String, count: u32, span: Span) -> Check<Call> {
         if count > 9999 {

@@ -155,8 +155,8 @@ impl Translator<'_> {
         if let Some((_, word)) = block.first_of(AXIS_LETTERS & mask("ABC")) {
             return Err(Fault::new(Id::GC418, word.span));
         }
-        let target = self.target(block)?;
         let known = self.state.unknown & (1 << slots[0] | 1 << slots[1]) == 0;
+        let target = self.target(block)?;
         match self.arc(block, slots, &target) {
             Ok(arc) => self.arc_to(block, slots, target, &arc),
             // the start is not where the program means it to be: nothing can be said about this arc

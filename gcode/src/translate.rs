@@ -145,6 +145,9 @@ impl<'a> Translator<'a> {
     /// Section 14, top to bottom.
     fn steps(&mut self, block: &Block) -> Check<Flow> {
         self.used = bit(b'N');
+        if let Some(g) = block.g(650) {
+            return self.macro_call(block, g);
+        }
         let owner = self.axis_owner(block)?;
         self.sink.flush();
         self.message(block);
@@ -171,7 +174,7 @@ impl<'a> Translator<'a> {
     fn axis_owner(&mut self, block: &Block) -> Check<Option<GWord>> {
         let has_axes = block.has_any(AXIS_LETTERS);
         let takes = |g: &&GWord| match g.code.tenths {
-            40 | 100 | 280 | 300 | 520 | 650 | 680 | 740 | 920 | 71 | 1070 | 511 => true,
+            40 | 100 | 280 | 300 | 520 | 680 | 740 | 920 | 71 | 1070 | 511 => true,
             500 | 501 | 510 | 530 => has_axes,
             _ => false,
         };

@@ -403,3 +403,18 @@ fn a_deleted_block_is_only_read() {
     let compiled = gcode::compile(b"/G0 X(\nM30\n", "t.nc", &common::mill3(), &options);
     assert!(compiled.has_errors());
 }
+
+#[test]
+fn a_macro_call_has_variables_of_its_own() {
+    let text = "#1=7\nG65 P10 A2 X5 L2\nG0 X#1\nM30\nO10\nG91 G1 X#24 Y#1 F600\n#1=0\nG90\nM99\n";
+    let ends = common::ends(&program(text));
+    assert_eq!(ends, [[5.0, 2.0, 0.0], [10.0, 2.0, 0.0], [7.0, 2.0, 0.0]]);
+}
+
+#[test]
+fn one_mistake_is_one_error() {
+    // the arc starts where the bad block should have ended: nothing is said about it
+    let compiled = common::run("G1 X0 F100\nG1 X100 V5\nG2 X110 Y10 R11\nG2 X120 Y0 R1\nM30\n");
+    let found: Vec<(&str, u32)> = compiled.diagnostics.iter().map(|d| (d.id, d.line)).collect();
+    assert_eq!(found, [("GC801", 2), ("GC410", 4)]);
+}
