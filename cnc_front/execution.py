@@ -61,6 +61,9 @@ class LogEntry:
     value: int
 
 
+#: What happened in a stretch of time, in order.
+Happened = tuple[LogEntry | HostEvent, ...]
+
 #: Status bits that are no fault when they come up.
 HARMLESS = frozenset({"pe", "cl", "ip", "ui", "lpsf", "referenced", "refh"})
 
@@ -94,6 +97,7 @@ class Execution:
     _axes: list[str] = field(init=False)
     _events: list[tuple[int, str, str]] = field(init=False)
     _pending: deque[tuple[int, float]] = field(init=False)
+    _new: list[LogEntry | HostEvent] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
         machine = self.job.machine.machine
@@ -170,6 +174,11 @@ class Execution:
         self.waits = 0
         self.mcu.acknowledge()
 
+    def happened(self) -> Happened:
+        """Log entries and host events since the last call."""
+        new, self._new = tuple(self._new), []
+        return new
+
     def _collect_events(self) -> None:
         for sample, kind, axis, name, on, line, value in self.mcu.events():
             t_s = sample * self.sample_time_s
@@ -177,7 +186,9 @@ class Execution:
             if kind == "host":
                 self._host_event(t_s, value)
                 continue
-            self.log.append(LogEntry(t_s, kind, who, name, on, line, value))
+            entry = LogEntry(t_s, kind, who, name, on, line, value)
+            self.log.append(entry)
+            self._new.append(entry)
             if kind == "task":
                 self.task_error = (value, line)
             elif on and (kind == "errorreg" or (kind == "axst" and name not in HARMLESS)):
@@ -187,4 +198,6 @@ class Execution:
     def _host_event(self, t_s: float, number: int) -> None:
         if 0 <= number < len(self._events):
             line, kind, text = self._events[number]
-            self.host_events.append(HostEvent(t_s, line, kind, text))
+            event = HostEvent(t_s, line, kind, text)
+            self.host_events.append(event)
+            self._new.append(event)

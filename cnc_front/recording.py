@@ -19,7 +19,7 @@ from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import recording as native
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError
-from cnc_front.execution import Execution
+from cnc_front.execution import Happened, LogEntry
 from cnc_front.jobs import CompiledJob
 
 Columns = dict[str, Any]
@@ -41,17 +41,16 @@ class RecordingSink:
         self._writer = native.Writer(
             path, list(machine.axis_names), machine.sample_time_us * 1e-6, attachments, metadata
         )
-        self._logged = 0
-        self._hosts = 0
 
-    def write(self, execution: Execution, chunk: native_kernel.Chunk, deviation_mm: NDArray[np.float32]) -> None:
+    def write(self, chunk: native_kernel.Chunk, deviation_mm: NDArray[np.float32], happened: Happened) -> None:
         """One chunk and the deviation of its load side per sample, and the events since the last one."""
-        self._writer.write(chunk, deviation_mm)
-        for entry in execution.log[self._logged :]:
-            self._event(entry.t_s, entry.kind, entry.axis, entry.name, entry.on, entry.line, entry.value, "")
-        for host in execution.host_events[self._hosts :]:
-            self._event(host.t_s, "host", "", host.kind, True, host.line, 0, host.text)
-        self._logged, self._hosts = len(execution.log), len(execution.host_events)
+        if len(chunk):
+            self._writer.write(chunk, deviation_mm)
+        for e in happened:
+            if isinstance(e, LogEntry):
+                self._event(e.t_s, e.kind, e.axis, e.name, e.on, e.line, e.value, "")
+            else:
+                self._event(e.t_s, "host", "", e.kind, True, e.line, 0, e.text)
 
     def _event(self, t_s: float, kind: str, axis: str, name: str, on: bool, line: int, value: int, text: str) -> None:
         event = {"t_s": t_s, "kind": kind, "axis": axis, "name": name, "on": on, "line": line}

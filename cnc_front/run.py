@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import toolpaths as native_paths
-from cnc_front.execution import End, Execution
+from cnc_front.execution import End, Execution, Happened
 from cnc_front.jobs import CompiledJob
 from cnc_front.schedule import Schedule
 
@@ -21,10 +22,10 @@ CHUNK = 1 << 16
 
 
 class Sink(Protocol):
-    """Takes the samples of a run as they come, e.g. a recording."""
+    """Takes the samples of a run as they come, e.g. a recording. Called from another thread than the run's."""
 
-    def write(self, execution: Execution, chunk: native_kernel.Chunk, deviation_mm: NDArray[np.float32]) -> None:
-        """One chunk, the deviation of the load side per sample, and what the execution logged since the last."""
+    def write(self, chunk: native_kernel.Chunk, deviation_mm: NDArray[np.float32], happened: Happened) -> None:
+        """One chunk, the deviation of the load side per sample, and what was logged since the last."""
 
 
 class Watcher(Protocol):
@@ -85,17 +86,28 @@ def dry_run(
     )
     if watcher is not None:
         watcher.begin(path, tracker)
-    while (chunk := execution.advance(CHUNK)) is not None:
-        if len(chunk):
-            deviation = tracker.feed(chunk)
-            if sink is not None:
-                sink.write(execution, chunk, deviation)
-            if watcher is not None:
-                watcher.add(deviation)
-        options.progress(execution)
-        if execution.end is None and options.interrupted():
-            execution.end = End.INTERRUPTED
-        if execution.end is None and time.monotonic() - begun > options.max_time_s:
-            execution.end = End.TIME_LIMIT
+
+    def measure(chunk: native_kernel.Chunk, happened: Happened) -> None:
+        deviation = tracker.feed(chunk)
+        if sink is not None:
+            sink.write(chunk, deviation, happened)
+        if watcher is not None:
+            watcher.add(deviation)
+
+    # the controller runs ahead by one chunk while the one before is measured and written
+    with ThreadPoolExecutor(1, "measure") as worker:
+        measured: Future[None] | None = None
+        while (chunk := execution.advance(CHUNK)) is not None:
+            happened = execution.happened()
+            if measured is not None:
+                measured.result()
+            measured = worker.submit(measure, chunk, happened) if len(chunk) or happened else None
+            options.progress(execution)
+            if execution.end is None and options.interrupted():
+                execution.end = End.INTERRUPTED
+            if execution.end is None and time.monotonic() - begun > options.max_time_s:
+                execution.end = End.TIME_LIMIT
+        if measured is not None:
+            measured.result()
     wall = time.monotonic() - begun
     return RunResult(job, options, execution, tracker.finish(), path, tracker, wall)
