@@ -97,7 +97,7 @@ class SimEngine:
         self._wish(lambda: self._set_override(factor))
 
     def set_single_block(self, on: bool) -> None:
-        """Stops at the end of each block. Blocks that are already spooled are still driven in one go."""
+        """Stops at the end of each block, from the present one on (the next, if it leaves no room to brake)."""
         self._wish(lambda: self._set_single_block(on))
 
     def set_speed(self, factor: float) -> None:
@@ -222,7 +222,7 @@ class SimEngine:
         self._operator.single_block = True
         if self._run is None or self._run.is_over:
             self._start()
-        elif not self._run.moves_on:
+        elif self._run.at_rest:
             self._run.go_on(single_block=True)
             self._restart_clock()
 
@@ -246,10 +246,14 @@ class SimEngine:
     def _set_single_block(self, on: bool) -> None:
         self._operator.single_block = on
         run = self._run
-        if run is None or run.is_over or not run.moves_on:
+        if run is None or run.is_over or run.at_rest:
             return
-        run.set_stepping(on)
-        self._operator.message = "single block acts after the blocks already spooled; hold stops now" if on else ""
+        if on:
+            run.hold_at_block_end()
+        elif run.between_blocks:
+            run.go_on(single_block=False)
+        elif not run.holding:
+            run.set_stepping(False)
 
     def _set_speed(self, factor: float) -> None:
         self._operator.speed = max(0.0, factor)

@@ -30,12 +30,13 @@ class SimRun:
         self.tracker.watch(loaded.vertex_s_mm)
         self.aborted = False
         self.holding = False
+        self.between_blocks = False  # the hold is one of single block
         self.deviation_now_mm = 0.0
         self.deviation_max_mm = 0.0
         self.deviation_max_line = 0
         self.flags = 0
         self.entry = 0
-        self.line = 0  # the last one that moved: a held spooler has none
+        self.line = 0  # the last one told: between jobs and entries there is none
         self._settle = 0
 
     @property
@@ -96,18 +97,28 @@ class SimRun:
 
     def hold(self) -> None:
         """Brakes along the path; at a block end or a programmed stop the axes stand already, and only `go_on` moves."""
-        if not self.holding and not self.at_rest:
-            self.holding, self.execution.held = True, False
+        if not self.at_rest and (not self.holding or self.between_blocks):
+            self.holding, self.between_blocks, self.execution.held = True, False, False
             self.execution.mcu.hold()
 
+    def hold_at_block_end(self) -> None:
+        """Stops at the end of the block being executed, also in the middle of what is spooled."""
+        if not self.at_rest and not self.holding:
+            self.holding, self.between_blocks, self.execution.held = True, True, False
+            self.execution.mcu.hold_at_block_end()
+
     def go_on(self, single_block: bool) -> None:
-        """Ends whatever the job stands for: hold, block end, programmed stop."""
-        if self.holding:
-            self.holding = self.execution.held = False
-            self.execution.mcu.resume()
-        elif self.execution.waits:
-            self.execution.acknowledge()
+        """Ends a hold, block end or programmed stop; to the next block end if `single_block`."""
         self._settle = 0
+        if self.holding:
+            self.execution.held = False
+            self.between_blocks = single_block and self.execution.mcu.step_block()
+            if self.between_blocks:
+                return  # a block that is spooled already
+            self.holding = False
+            self.execution.mcu.resume()
+        if self.execution.waits:
+            self.execution.acknowledge()
         if self.execution.stepped or single_block:
             self.set_stepping(single_block)
 
@@ -126,6 +137,6 @@ class SimRun:
     def abort(self) -> None:
         """Brakes along the path, drops what is spooled, ends the task."""
         self.aborted = True
-        self.holding = self.execution.held = self.execution.stepped = False
+        self.holding = self.between_blocks = self.execution.held = self.execution.stepped = False
         self.execution.waits = 0
         self.execution.mcu.abort()

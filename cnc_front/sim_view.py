@@ -66,7 +66,7 @@ def snapshot(loaded: LoadedJob, run: SimRun | None, operator: Operator, language
     run.line = status["line"] or run.line
     state, why = _state(run)
     # at a block end the program stands before the block that comes next
-    line = run.execution.mcu.rdcncts(0)[3] if state is State.STEP else run.line
+    line = run.execution.mcu.rdcncts(0)[3] if run.execution.stepped else run.line
     factor = status["factor"]
     feed = loaded.fact("feeds", line) or 0.0
     return Snapshot(
@@ -114,11 +114,11 @@ def _state(run: SimRun) -> tuple[State, str]:
         if execution.end is End.FINISHED:
             return (State.ABORTED, "") if run.aborted else (State.DONE, "")
         return State.ALARM, execution.alarms[-1].name if execution.alarms else execution.end.value
-    if run.holding:
+    if run.holding and not run.between_blocks:
         return (State.HOLD, "hold") if execution.held else (State.HOLDING, "hold")
     if execution.waits:
         return State.STOPPED, execution.host_events[-1].kind if execution.host_events else "M00"
-    if execution.stepped:
+    if execution.stepped or (run.between_blocks and execution.held):
         return State.STEP, "single block"
     if run.flags & WAITING and not run.flags & MOVING:
         return State.WAITING, "dwell"

@@ -4,7 +4,7 @@ use crate::axes::AxisSet;
 use crate::axis::Doing;
 use crate::mcu::Mcu;
 use crate::registers::{Axst, ErrorReg, ModeReg};
-use crate::spooler::SpoolState;
+use crate::spooler::{Entry, SpoolState};
 
 /// A snapshot of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,8 @@ pub struct AxisSnapshot {
 pub struct Snapshot {
     pub sample: u64,
     pub axes: Vec<AxisSnapshot>,
-    /// Number and source line of the motion command of the first group axis; 0 = none.
+    /// Number and source line of the motion command of the first group axis, or of what it executes next where
+    /// its spooler stands; 0 = none.
     pub entry: u32,
     pub line: u32,
     /// Length of that command and how much of it is done, mm.
@@ -59,11 +60,12 @@ impl Mcu {
         let leader = &self.axes[self.leader];
         let mv = self.current_move(self.leader);
         let done = mv.map_or(0.0, |mv| mv.profile.at(leader.t).0);
+        let (entry, line) = mv.map_or_else(|| self.standing_before(self.leader), |mv| (mv.number, mv.line));
         Snapshot {
             sample: self.sample,
             axes: (0..self.axes.len()).map(|a| self.axis_snapshot(a)).collect(),
-            entry: mv.map_or(0, |mv| mv.number),
-            line: mv.map_or(leader.function.map_or(0, |f| f.line), |mv| mv.line),
+            entry,
+            line,
             length: mv.map_or(0.0, |mv| mv.length),
             done,
             rapid: mv.is_some_and(|mv| mv.rapid),
@@ -75,6 +77,21 @@ impl Mcu {
             holding: self.holding,
             stands: self.stands(),
             waits: self.wait_for_application(),
+        }
+    }
+
+    /// Number and line of the wait that an axis is in, or of what comes next where its spooler stands.
+    fn standing_before(&self, a: usize) -> (u32, u32) {
+        let axis = &self.axes[a];
+        if let Some(function) = axis.function {
+            return (0, function.line);
+        }
+        match axis.spooler.entries().front() {
+            Some(Entry::Move { slot, .. }) if axis.spooler.state == SpoolState::Held => {
+                (self.moves[*slot].number, self.moves[*slot].line)
+            }
+            Some(Entry::Function(function)) if axis.spooler.state == SpoolState::Held => (0, function.line),
+            _ => (0, 0),
         }
     }
 

@@ -95,6 +95,12 @@ impl Mcu {
     fn hold(&mut self) {
         self.kernel.hold();
     }
+    fn hold_at_block_end(&mut self) {
+        self.kernel.hold_at_block_end();
+    }
+    fn step_block(&mut self) -> bool {
+        self.kernel.step_block()
+    }
     fn resume(&mut self) {
         self.kernel.resume();
     }
