@@ -85,6 +85,8 @@ pub struct Parameters {
     pub ipw: f64,
     pub rotary: bool,
     pub jovr: f64,
+    /// Software limits sll and slr.
+    pub limits: Option<machine::SoftwareLimits>,
 }
 
 impl Parameters {
@@ -108,6 +110,7 @@ impl Parameters {
             ipw: axis.ipw,
             rotary,
             jovr: 1.0,
+            limits: axis.limits,
         }
     }
 }

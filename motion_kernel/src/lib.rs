@@ -23,6 +23,7 @@ mod pcap;
 pub mod plant;
 pub mod position_loop;
 pub mod profile;
+pub mod qualifiers;
 pub mod registers;
 pub mod spooler;
 pub mod status;

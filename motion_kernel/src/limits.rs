@@ -39,7 +39,7 @@ impl Mcu {
     /// Status bits and reactions of all software limits.
     pub(crate) fn watch_limits(&mut self) {
         for a in 0..self.axes.len() {
-            let Some(limits) = self.machine.axes[a].limits else { continue };
+            let Some(limits) = self.axes[a].parameters.limits else { continue };
             let axis = &self.axes[a];
             let watched = limits.function != LimitFunction::Off && axis.status.has(Axst::referenced);
             let now = if watched { passed(&limits, axis.dp) } else { Axst(0) };
