@@ -93,6 +93,10 @@ impl Path {
             }
             from = target;
         }
+        if let Some(block) = path.blocks.iter().find(|block| !block.length.is_finite()) {
+            let (command, line) = (block.entry as usize, block.line);
+            return Err(PathError::Value { command, line, what: "the move is longer than numbers reach" });
+        }
         if path.segments.is_empty() {
             path.push_point(&sequence);
         }

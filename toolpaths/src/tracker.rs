@@ -258,7 +258,7 @@ impl Tracker {
         self.setpoint.follower.step(path, &mut x, time_s * factor, f64::INFINITY);
         let foot = self.setpoint.follower.foot;
         let segment = &path.segments[foot.segment];
-        let deviation = self.setpoint.follower.d2.sqrt();
+        let deviation = distance(self.setpoint.follower.d2);
         let signed = self.setpoint.follower.left_of(path, &mut x);
         self.setpoint.deviations.add(deviation, signed, sample, segment.block, dp);
         self.blocks[segment.block as usize].setpoint.add(deviation);
@@ -324,7 +324,7 @@ impl Tracker {
         let mut x = Sample::<N>::new(path, load, row);
         follower.step(path, &mut x, time_s * self.recent_factor, cap);
         let foot = follower.foot;
-        let deviation = follower.d2.sqrt();
+        let deviation = distance(follower.d2);
         let signed = follower.left_of(path, &mut x);
         if path.s_of(foot) > path.s_of(set_foot) {
             // an overshoot at a stop is given back
@@ -392,6 +392,12 @@ impl Tracker {
     pub fn over_time(&self) -> &TimeSeries {
         &self.over_time
     }
+}
+
+/// A sample that is no number is as far from the path as can be, never unnoticed.
+#[inline]
+fn distance(d2: f64) -> f64 {
+    if d2.is_nan() { f64::INFINITY } else { d2.sqrt() }
 }
 
 #[inline]
