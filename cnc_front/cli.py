@@ -8,6 +8,7 @@ import signal
 import sys
 import traceback
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from cnc_front import VERSION
 from cnc_front.errors import CompileError, Exit, UsageError
@@ -23,7 +24,10 @@ exit codes: 0 done; 1 a check failed; 2 bad input; 3 stopped by fault or time li
 
 
 class Parser(argparse.ArgumentParser):
-    """Reports wrong usage in one line and exit code 2."""
+    """Reports wrong usage in one line and exit code 2. Options are written out in full."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(allow_abbrev=False, **options)
 
     def error(self, message: str) -> None:  # type: ignore[override]  # argparse says NoReturn; so does the raise
         raise UsageError(f"{message} (see {self.prog} --help)")
@@ -59,6 +63,7 @@ def build_parser() -> Parser:
     """All commands and options of design 3.1."""
     common = Parser(add_help=False)
     common.add_argument("--lang", choices=("en", "de"), help="language of messages (default: LANG)")
+    common.add_argument("--no-color", action="store_true", help="no colours (NO_COLOR does the same)")
     common.add_argument("-q", "--quiet", action="store_true", help="no progress and no warnings on stderr")
     compiling = Parser(add_help=False, parents=[common])
     compiling.add_argument("--machine", metavar="FILE", help="machine file (default: machine.toml beside the job)")
@@ -123,7 +128,9 @@ def run_command_line(arguments: Sequence[str]) -> int:
     except OSError as error:
         print(f"cnc-front: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
         return Exit.STOPPED
-    except Exception as error:
+    except SystemExit:
+        raise  # --help and --version
+    except BaseException as error:  # a panic of the compiled module is no Exception
         print(f"cnc-front: internal error ({type(error).__name__}: {error}); please report it", file=sys.stderr)
         if os.environ.get("CNC_FRONT_DEBUG"):
             traceback.print_exc()

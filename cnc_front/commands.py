@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from collections.abc import Callable
 from typing import Any
@@ -81,7 +82,8 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     else:
         from cnc_front.text_result import result_text
 
-        print(result_text(result, verdict, run_object, language))
+        colors = sys.stdout.isatty() and not (options.no_color or os.environ.get("NO_COLOR"))
+        print(result_text(result, verdict, run_object, language, colors=colors))
     return verdict.exit
 
 

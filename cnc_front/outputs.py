@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -22,6 +23,7 @@ def check_recording(path: str, inputs: Iterable[str]) -> Path:
         raise UsageError(f"--record: {path} exists and is no recording of ours; choose another name")
     if not target.parent.is_dir():
         raise UsageError(f"--record: there is no folder {target.parent}")
+    _refuse_readonly(target if target.exists() else target.parent, "--record")
     return target
 
 
@@ -33,6 +35,10 @@ def check_report(path: str, inputs: Iterable[str]) -> Path:
         raise UsageError(f"--report: {path} is a file; give a folder")
     if target.is_dir() and any(target.iterdir()) and not _is_report(target / REPORT_FILE):
         raise UsageError(f"--report: {path} holds files that are no report of ours; choose another folder")
+    above = next((folder for folder in (target, *target.absolute().parents) if folder.exists()), target)
+    if not above.is_dir():
+        raise UsageError(f"--report: {above} is a file; a folder cannot be made below it")
+    _refuse_readonly(above, "--report")
     return target
 
 
@@ -45,6 +51,11 @@ def _refuse_inputs(target: Path, inputs: Iterable[str], option: str) -> None:
 def _refuse_odd(target: Path, option: str) -> None:
     if target.exists() and not target.is_file():
         raise UsageError(f"{option}: {target} is not a regular file")
+
+
+def _refuse_readonly(place: Path, option: str) -> None:
+    if not os.access(place, os.W_OK):
+        raise UsageError(f"{option}: no permission to write {place}")
 
 
 def _starts_with(path: Path, magic: bytes) -> bool:

@@ -11,11 +11,12 @@ import queue
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cnc_front.engine import Job, Snapshot
+from cnc_front.engine import Job, Snapshot, State
 from cnc_front.errors import UsageError
 from cnc_front.jobs import CompileOptions
 from cnc_front.sim_job import LoadedJob, load_job, run_time_s
@@ -139,6 +140,13 @@ class SimEngine:
         self._wishes.put(wish)
 
     def _work(self) -> None:
+        try:
+            self._obey_and_run()
+        except BaseException as error:  # a panic of the compiled module is no Exception; the screen must not freeze
+            message = f"internal error ({type(error).__name__}: {error}); please report it"
+            self._snapshot = replace(self._snapshot, state=State.ALARM, why="internal error", message=message)
+
+    def _obey_and_run(self) -> None:
         while not self._closing.is_set():
             self._obey()
             if self._run is not None and self._run.moves_on:

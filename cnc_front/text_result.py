@@ -8,14 +8,20 @@ from cnc_front.messages import text
 from cnc_front.run import RunResult
 from cnc_front.verdict import Verdict
 
+#: SGR colours of ui-guide section 5: good, warn, bad.
+COLORS = {"PASS": "38;2;86;180;233", "WARN": "38;2;240;228;66", "FAIL": "38;2;255;106;19"}
 
-def result_text(result: RunResult, verdict: Verdict, run: dict[str, Any], language: str) -> str:
+
+def result_text(
+    result: RunResult, verdict: Verdict, run: dict[str, Any], language: str, *, colors: bool = False
+) -> str:
     """A dozen lines; numbers always with a decimal point, units always printed."""
 
     def say(id: str, **values: Any) -> str:
         return text(id, language, **values)
 
-    rows = [f"{run['job']['path']}: {verdict.word}"]
+    word = f"\x1b[1;{COLORS[verdict.word]}m{verdict.word}\x1b[0m" if colors else verdict.word
+    rows = [f"{run['job']['path']}: {word}"]
     rows += [f"  {say(reason.id, **reason.values)}" for reason in verdict.reasons[:10]]
     actual, setpoint, feed = run["deviation"]["actual"], run["deviation"]["setpoint"], run["feed"]
     line = say("at_line", line=actual["worst"]["line"])

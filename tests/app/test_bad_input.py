@@ -65,7 +65,7 @@ def test_bad_jobs(cli: Cli, job: Callable[..., Path], name: str, command: str) -
 
 
 def test_every_error_of_a_file_is_reported(cli: Cli, job: Callable[..., Path]) -> None:
-    ran = cli("check", job("G90 G21\nG1 X10\nG1 A5 F100\nG2 X5 Y5 I1 J9\nX9999\nM30\n"))
+    ran = cli("check", job("G90 G21 F500\nG1 A5\nG1 X9999\nG1 G2 X1\nG1 X1 !\nM30\n"))
     lines = {int(m["line"]) for m in PLACE.finditer(ran.err)}
     assert lines >= {2, 3, 4, 5}
 
@@ -156,6 +156,7 @@ def test_damaged_machine_files(cli: Cli, job: Callable[..., Path], tmp_path: Pat
         ["--lang", "fr"],
         ["--record", "/nowhere/r.mcap"],
         ["--report", "/dev/null"],
+        ["--report", "/dev/null/below"],
         ["--no-such-option"],
     ],
     ids=" ".join,

@@ -143,6 +143,42 @@ def test_internal_errors_are_one_line(monkeypatch: pytest.MonkeyPatch, capsys: p
         signal.signal(signal.SIGPIPE, before)
 
 
+def test_a_panic_of_the_compiled_module_is_one_line_too() -> None:
+    code = (
+        "from cnc_front import cli\n"
+        "class PanicException(BaseException): pass\n"
+        "def broken(name): raise PanicException('index out of bounds')\n"
+        "cli._command = broken\n"
+        "raise SystemExit(cli.run_command_line(['machine', 'show']))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 3
+    assert done.stderr.count("\n") == 1
+
+
+def test_options_are_written_out(cli: Cli) -> None:
+    assert cli("run", "x.nc", "--toler", "1").code == 2
+
+
+def test_colours_only_on_a_terminal(cli: Cli, job: Callable[..., Path]) -> None:
+    import pty
+
+    path = job("G90 G21\nG1 X5 F1000\nM30\n")
+    assert "\x1b" not in cli("run", path).out
+
+    def shown(*more: str) -> str:
+        master, slave = pty.openpty()
+        command = [sys.executable, "-m", "cnc_front", "run", str(path), "-q", *more]
+        subprocess.run(command, stdout=slave, stderr=subprocess.DEVNULL, cwd=ROOT, check=True)
+        os.close(slave)
+        text = os.read(master, 100_000).decode()
+        os.close(master)
+        return text
+
+    assert "\x1b[1;" in shown()
+    assert "\x1b" not in shown("--no-color")
+
+
 def test_module_and_script_are_the_same(cli: Cli) -> None:
     script = Path(sys.executable).with_name("cnc-front")
     if not script.exists():

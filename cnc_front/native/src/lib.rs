@@ -18,8 +18,19 @@ fn submodule(parent: &Bound<'_, PyModule>, name: &str, fill: fn(&Bound<'_, PyMod
     py.import("sys")?.getattr("modules")?.set_item(format!("cnc_front._native.{name}"), &module)
 }
 
+/// A panic becomes an exception, and the outermost layer says so in one line; only developers want the rest.
+fn quiet_panics() {
+    let before = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |info| {
+        if std::env::var_os("CNC_FRONT_DEBUG").is_some() {
+            before(info);
+        }
+    }));
+}
+
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    quiet_panics();
     submodule(module, "motion_kernel", kernel::fill)?;
     submodule(module, "gcode", program::fill)?;
     submodule(module, "toolpaths", paths::fill)?;
