@@ -129,8 +129,8 @@ def follow(reference: Reference, dp: Points) -> Points:
     return feet
 
 
-def run(text: str) -> Traced:
-    machine = jobs.load_machine(None)
+def run(text: str, machine_file: str | None = None) -> Traced:
+    machine = jobs.load_machine(machine_file)
     source = jobs.JobSource("part.nc", text.encode(), "din66025")
     job = jobs.compile_job(source, machine, jobs.CompileOptions())
     sequence = job.program.sequence()
@@ -186,6 +186,22 @@ def test_deviation_of_a_real_run_is_that_of_the_slow_reference(name: str, lines:
             assert found == pytest.approx(expected_forward(traced, k), abs=1e-7), f"sample {k}"
     assert swung_back <= len(samples) // 50
     assert traced.summary["actual"]["max_mm"] == pytest.approx(float(traced.actual_mm.max()), rel=1e-6)
+
+
+def test_a_backlash_is_seen_on_the_load_side_only(tmp_path: Path) -> None:
+    text = jobs.load_machine(None).text
+    assert text.count("full_speed = 250.0 }") >= 2
+    machine = tmp_path / "worn.toml"
+    machine.write_text(text.replace("full_speed = 250.0 }", "full_speed = 250.0, backlash = 0.1 }", 2), "utf-8")
+    # on the way out the load hangs back by half of the play in X, and keeps that while Y runs; then the other way
+    program = "G21 G90 G17 G61\nG1 X4 F30\nG1 Y4\nG1 X2\nM30\n"
+    worn, sound = run(program, str(machine)).summary, run(program).summary
+    # the motor swings past its stops by less than a micrometre and takes the load along
+    assert worn["actual"]["max_mm"] == pytest.approx(0.05, rel=0.02)
+    assert worn["actual"]["worst"]["line"] in (3, 4)
+    assert worn["actual"]["left_mm"] == pytest.approx(0.05, rel=0.02)
+    assert sound["actual"]["max_mm"] < 0.001
+    assert worn["setpoint"]["max_mm"] < 1e-9
 
 
 def test_the_reference_knows_a_circle() -> None:
