@@ -70,6 +70,7 @@ pub struct Parameters {
     /// Path units per axis unit: 1, or the effective radius per degree (design D7).
     pub scale: f64,
     pub counts_per_unit: f64,
+    /// Limits of look-ahead and ChkMaxVel in PU and TU: mm/s and mm/s² on the path, also for rotary axes.
     pub mdvel: f64,
     pub maxvel: f64,
     pub maxacc: f64,
@@ -96,9 +97,10 @@ impl Parameters {
         Parameters {
             scale,
             counts_per_unit: axis.counts_per_unit,
-            mdvel: axis.mdvel,
-            maxvel: axis.maxvel,
-            maxacc: axis.maxacc,
+            // machine files speak of degrees, the registers of PU and TU (4.4.160, 4.4.161, 4.4.163)
+            mdvel: axis.mdvel * scale,
+            maxvel: axis.maxvel * scale,
+            maxacc: axis.maxacc * scale,
             jerkrel: axis.jerkrel.clamp(0.0, 1.0),
             sdec: axis.stop_deceleration,
             jvl: axis.jog_velocity,

@@ -188,6 +188,19 @@ fn chk_max_vel_limits_lines_by_maxacc() {
     close(samples_to_40(LOOKAHEAD | ModeReg::ChkMaxVel, 0.0), 40.0 / 500.0, 2.0 * TA);
 }
 
+/// Limits of a rotary axis stand in the machine file in degrees, whatever its effective radius.
+#[test]
+fn rotary_axes_keep_their_limits_in_degrees() {
+    for effradius in [10.0, 57.29577951308232, 200.0] {
+        let mut machine = machine("XC");
+        (machine.axes[1].effradius, machine.axes[1].maxvel) = (effradius, 90.0);
+        let mut m = mcu_of(machine, LOOKAHEAD | ModeReg::ChkMaxVel);
+        line(&mut m, &[0.0, 180.0], 1e4, 1e4, 0.0);
+        let fastest = speeds(&run(&mut m), 1, 0.0).into_iter().fold(0.0, f64::max);
+        close(fastest, 90.0, 1e-6);
+    }
+}
+
 #[test]
 fn arcs_are_limited_by_the_square_root_of_radius_times_maxacc() {
     for (mode, expected) in [(LOOKAHEAD, (2.0 * MAXACC).sqrt()), (EXACT, 100.0)] {
