@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import re
 
 import numpy as np
 import pytest
@@ -150,3 +151,98 @@ def test_errors_are_values() -> None:
         Machine.parse("nonsense")
     assert broken.value.diagnostics
     assert str(broken.value.diagnostics[0]).startswith("<text>:1:")
+
+
+@pytest.mark.shows("ssf.1001", "ssf.1002", "pcap.rddigo")
+def test_outputs_by_spool_functions(mcu: Mcu) -> None:
+    mcu.ssf("X", 1001, 0b0111)
+    mcu.ssf("X", 1003, 2000)  # 0.128 s
+    mcu.ssf("X", 1002, 0b0010)
+    mcu.ssms("X")
+    mcu.advance(10)
+    assert mcu.rddigo("X") == 0b0111
+    mcu.advance(200)
+    assert mcu.rddigo("X") == 0b0101
+
+
+@pytest.mark.shows("pcap.rs.spooler", "pcap.rs.tasks", "pcap.rs.keeps-common", "pcap.rdcd.persist")
+def test_rs_stops_everything_but_keeps_common_variables(mcu: Mcu) -> None:
+    mcu.wrci(7, 42)
+    mcu.wrcd(999, 2.5)
+    program = gcode.compile("G90 G21\nG1 X500 F600\nX-500\nM30\n", mcu.machine)
+    mcu.prepare_gcode()
+    mcu.load(0, program)
+    mcu.startcnct(0)
+    mcu.advance(100)
+    assert mcu.rdcncts(0).running & 1
+    assert mcu.rdmcis("X") == 1, "the second line waits"
+    mcu.rs()
+    stands = mcu.rddp("X")
+    mcu.advance(1000)
+    assert mcu.rdcncts(0).running & 1 == 0
+    assert mcu.rdmcis("X") == 0
+    assert mcu.rdlsm("X") == Mcu(mcu.machine).rdlsm("X"), "all of its memory is free"
+    assert mcu.rddp("X") == pytest.approx(stands, abs=0.1)
+    assert (mcu.rdci(7), mcu.rdcd(999)) == (42, 2.5)
+
+
+@pytest.mark.shows("axst.referenced.reset-boot", "axst.dhef.reset")
+def test_rs_clears_referenced_and_dhef(mcu: Mcu) -> None:
+    assert not mcu.rdaxst("X").referenced, "after boot"
+    mcu.prepare_gcode()
+    assert mcu.rdaxst("X").referenced
+    mcu.ol("X")
+    with pytest.raises(CommandRefused):
+        mcu.smla({"X": 1.0}, ac=500.0, vl=20.0)
+    mcu.cl("X")
+    mcu.advance(10)
+    assert mcu.rdaxst("X").dhef, "neither time nor cl clears it"
+    mcu.rs()
+    assert not mcu.rdaxst("X").dhef
+    assert not mcu.rdaxst("X").referenced
+
+
+@pytest.mark.shows("pcap.rdtp.absolute")
+def test_target_position_is_absolute_after_a_relative_command(mcu: Mcu) -> None:
+    mcu.smla({"X": 10.0}, ac=500.0, vl=20.0)
+    mcu.smlr({"X": -4.0}, ac=500.0, vl=1.0)
+    mcu.ssms("X")
+    mcu.advance(700)  # inside the second line
+    assert 6.0 < mcu.rddp("X") < 10.0
+    assert mcu.rdtp("X") == 6.0
+
+
+@pytest.mark.shows("pcap.rdtrovrst", "pcap.rdmodereg", "pcap.rderrorreg", "pcap.js.sdec-default")
+def test_registers_are_read_as_they_were_written(mcu: Mcu) -> None:
+    mcu.wrtrovrst(0.75)
+    assert mcu.rdtrovrst() == 0.75
+    mcu.wrmodereg(0x181)
+    assert mcu.rdmodereg() == 0x181
+    assert mcu.rderrorreg() == 0
+    mcu.smla({"X": 1.0}, ac=500.0, vl=0.0)
+    assert mcu.rderrorreg().VelocityZero
+    assert mcu.rderrorreg() & 1 << 12
+    shown = mcu.machine.show()
+    assert mcu.rdqualifier("X", "sdec") == float(re.findall(r"(?m)^stop_deceleration = (.+)$", shown)[0])
+    mcu.smla({"X": 1.0}, ac=500.0, vl=5.0)
+    mcu.ssms("X")
+    mcu.advance(5)
+    mcu.wrqualifier("X", "sdec", 123.0)
+    assert mcu.rdqualifier("X", "sdec") == 123.0
+
+
+@pytest.mark.shows("pcap.rdcncts")
+def test_status_of_a_task(mcu: Mcu) -> None:
+    program = gcode.compile("G90 G21\nG1 X5 F3000\n\nX10\nM30\n", mcu.machine)
+    mcu.prepare_gcode()
+    mcu.load(2, program)
+    assert mcu.rdcncts(2).running == 0
+    mcu.stepcnct(2)
+    mcu.advance(1000)
+    status = mcu.rdcncts(2)
+    assert (status.errnum, status.running & 2) == (0, 2), "waits for the next step"
+    mcu.contcnct(2)
+    mcu.advance(2000)
+    assert mcu.rdcncts(2).running == 0
+    assert mcu.rddp("X") == 10.0
+    assert mcu.rdcncts(0).running == 0, "another task is not concerned"
