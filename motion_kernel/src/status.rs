@@ -132,6 +132,10 @@ impl Mcu {
         self.ClearCI99();
     }
 
+    /// Moves that any spooler or axis still holds.
+    pub fn moves_in_use(&self) -> usize {
+        self.moves.live()
+    }
     pub fn modereg(&self) -> ModeReg {
         self.registers.modereg
     }
