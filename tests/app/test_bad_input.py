@@ -192,5 +192,7 @@ def test_outputs_never_overwrite_inputs_or_strange_files(cli: Cli, job: Callable
         ran = cli("run", path, "--machine", machine, option, target)
         assert ran.code == 2, (option, target)
         assert option in ran.err
+        if target in (path, link, machine):
+            assert "is an input of this run" in ran.err or option == "--report"
     assert {file: file.read_bytes() for file in before} == before
     assert [p.name for p in folder.iterdir()] == ["holiday.png"]
