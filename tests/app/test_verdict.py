@@ -78,7 +78,7 @@ def test_max_time_bounds_wall_time_too(monkeypatch: pytest.MonkeyPatch) -> None:
     source = JobSource("part.nc", b"G90 G21\nG1 X500 F600\nX-500\nX500\nM30\n", "din66025")
     job = compile_job(source, load_machine(None), CompileOptions())
     clock = itertools.count(0.0, 400.0)
-    monkeypatch.setattr(run_module.time, "monotonic", lambda: next(clock))
-    done = dry_run(job, RunOptions(max_time_s=1000.0))
+    monkeypatch.setattr(run_module, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    done = dry_run(job, RunOptions(max_time_s=500.0))
     assert done.execution.end is End.TIME_LIMIT
     assert done.execution.machine_time_s < 250.0, "the job takes 250 s"
