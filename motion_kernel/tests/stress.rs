@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::contour::{Block, block, enter, place};
+use common::contour::{Block, block, place, try_enter};
 use common::*;
 use motion_kernel::Mcu;
 use motion_kernel::autocode::MoveKind;
@@ -74,10 +74,7 @@ fn obey(m: &mut Mcu, call: &Call) {
     match *call {
         Call::Spool(ref block) => {
             let placed = place(std::slice::from_ref(block));
-            let at: Vec<f64> = m.status().axes.iter().map(|a| a.target).collect();
-            if at.iter().all(|x| x.abs() < 1e6) && (0..3).all(|a| m.axst(a).has(Axst::cl)) {
-                _ = enter(m, &placed, 0);
-            }
+            _ = try_enter(m, &placed, 0);
         }
         Call::SpoolOne(a, x, tvl) => {
             _ = spool(m, MoveKind::Smlr, &AxisList::new(&[a]), &[x], [0.0; 2], 0.0, [30.0, 400.0, tvl])

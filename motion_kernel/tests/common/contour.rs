@@ -87,6 +87,11 @@ fn point(start: &Point, shape: &Shape, share: f64) -> Point {
 
 /// Spools block `n`, two of them to a source line; false when there is no room.
 pub fn enter(mcu: &mut Mcu, placed: &[Placed], n: usize) -> bool {
+    let entered = try_enter(mcu, placed, n);
+    assert!(matches!(entered, Entered::Yes | Entered::Full), "{entered:?}");
+    entered == Entered::Yes
+}
+pub fn try_enter(mcu: &mut Mcu, placed: &[Placed], n: usize) -> Entered {
     let Placed { start, end, block } = &placed[n];
     let tvl = if block.goes_on && n + 1 < placed.len() { block.vl } else { 0.0 };
     let (kind, center, phi) = match block.shape {
@@ -96,9 +101,7 @@ pub fn enter(mcu: &mut Mcu, placed: &[Placed], n: usize) -> bool {
     let (axes, line) = (AxisList::new(&[0, 1, 2]), n as u32 / 2 + 1);
     let &Block { vl, ac, .. } = block;
     let command = MotionCommand { kind, axes: &axes, targets: end, center, phi, vl, ac, tvl, rapid: false, line };
-    let entered = mcu.spool(&command);
-    assert!(matches!(entered, Entered::Yes | Entered::Full), "{entered:?}");
-    entered == Entered::Yes
+    mcu.spool(&command)
 }
 
 pub fn distance(a: &Point, b: &Point) -> f64 {
