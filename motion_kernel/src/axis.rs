@@ -70,6 +70,8 @@ pub struct Parameters {
     /// Path units per axis unit: 1, or the effective radius per degree (design D7).
     pub scale: f64,
     pub counts_per_unit: f64,
+    /// Counts or steps per motor revolution.
+    pub slsp: f64,
     /// Limits of look-ahead and ChkMaxVel in PU and TU: mm/s and mm/s² on the path, also for rotary axes.
     pub mdvel: f64,
     pub maxvel: f64,
@@ -97,6 +99,7 @@ impl Parameters {
         Parameters {
             scale,
             counts_per_unit: axis.counts_per_unit,
+            slsp: axis.slsp,
             // machine files speak of degrees, the registers of PU and TU (4.4.160, 4.4.161, 4.4.163)
             mdvel: axis.mdvel * scale,
             maxvel: axis.maxvel * scale,

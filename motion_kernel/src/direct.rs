@@ -11,6 +11,7 @@ use crate::path::{Component, Geometry};
 use crate::profile::{Profile, Request};
 use crate::registers::{Axst, ModeReg};
 use crate::spooler::{Move, NONE};
+use crate::units::TrajectoryUnits;
 
 /// Direct commands that can wait for their effect at once.
 pub(crate) const MOST_PENDING: usize = 64;
@@ -41,6 +42,7 @@ struct DirectMove {
     ac: f64,
     tvl: f64,
     line: u32,
+    units: TrajectoryUnits,
 }
 
 impl Mcu {
@@ -78,10 +80,11 @@ impl Mcu {
         if self.pending.len() == MOST_PENDING {
             return Entered::Full;
         }
-        let &MotionCommand { kind, center, phi, vl, ac, tvl, line, .. } = command;
+        let MotionCommand { kind, center, phi, vl, ac, tvl, line, .. } = self.in_path_units(command);
         let mut targets = [0.0; MAX_AXES];
         targets[..command.axes.len()].copy_from_slice(&command.targets[..command.axes.len()]);
-        let direct = DirectMove { kind, axes: *command.axes, targets, center, phi, vl, ac, tvl, line };
+        let units = self.registers.units;
+        let direct = DirectMove { kind, axes: *command.axes, targets, center, phi, vl, ac, tvl, line, units };
         self.call(Direct::Move(direct), command.axes.set());
         Entered::Yes
     }
@@ -178,7 +181,10 @@ impl Mcu {
         let targets = &direct.targets[..list.len()];
         let command = MotionCommand { kind, axes: &list, targets, center, phi, vl, ac, tvl, rapid: false, line };
         let mut components = std::mem::take(&mut self.components);
-        match self.course(&command, &mut components) {
+        let units = std::mem::replace(&mut self.registers.units, direct.units); // those of the call
+        let course = self.course(&command, &mut components);
+        self.registers.units = units;
+        match course {
             Ok(geometry) => self.travel(&command, &geometry, &components, start_v),
             Err(nothing) => _ = self.discard(nothing),
         }

@@ -27,6 +27,8 @@ pub const TASKS: usize = 4;
 pub struct Registers {
     pub modereg: ModeReg,
     pub errorreg: ErrorReg,
+    /// Units of interpolation commands.
+    pub units: crate::units::TrajectoryUnits,
     /// Buffered trajectory override, and the time in s for a change of it by 1.0.
     pub trovr: f64,
     pub trovrst: f64,
@@ -141,6 +143,7 @@ impl Mcu {
             registers: Registers {
                 modereg: ModeReg(0),
                 errorreg: ErrorReg(0),
+                units: crate::units::TrajectoryUnits::default(),
                 trovr: 1.0,
                 trovrst: 0.0,
                 trac: machine.gcode.trac_feed,

@@ -8,7 +8,7 @@ use crate::path::{self, Component, Ends, Geometry, NoPath};
 use crate::registers::{Axst, ErrorReg, ModeReg};
 use crate::spooler::{BYTES_CIRCLE, BYTES_LINEAR, Entry, Move, NONE};
 
-/// A spooled motion command: LMP, CMP or HMP of chapter 4.3.2, PU = mm, TU = s.
+/// A motion command: LMP, CMP or HMP of chapter 4.3.2, in PU and TU (units.rs).
 #[derive(Clone, Copy, Debug)]
 pub struct MotionCommand<'a> {
     pub kind: MoveKind,
@@ -31,6 +31,7 @@ impl Mcu {
     /// Spools a motion command for all its axes (smla, smlr, smca, smcr, smha, smhr).
     pub fn spool(&mut self, command: &MotionCommand) -> Entered {
         self.commands += 1;
+        let command = &self.in_path_units(command);
         if let Err(outcome) = self.check(command) {
             return outcome;
         }
@@ -145,13 +146,6 @@ impl Mcu {
             component.target = self.axes[a].rounded(component.target);
         }
         Ok(geometry)
-    }
-
-    /// Axis units per unit of the command: rotary targets are mm of circumference without RotatoricUnit.
-    fn command_unit(&self, a: usize) -> f64 {
-        let parameters = &self.axes[a].parameters;
-        let in_own_unit = !parameters.rotary || self.registers.modereg.has(ModeReg::RotatoricUnit);
-        if in_own_unit { 1.0 } else { 1.0 / parameters.scale }
     }
 
     fn sweep(&self, command: &MotionCommand, ends: &Ends, center: [f64; 2]) -> f64 {

@@ -150,6 +150,10 @@ impl Mcu {
     pub fn wrmpe(&mut self, axis: usize, mpe: f64) -> bool {
         put(&mut self.axes[axis].parameters.mpe, mpe, |v| v >= 0.0)
     }
+    /// Encoder counts or stepper pulses per motor revolution; success is 1 (4.4.102).
+    pub fn rdslsp(&self, axis: usize) -> (i32, f64) {
+        (1, self.axes[axis].parameters.slsp)
+    }
     /// Left software limit (4.4.100); `None` where no limits are configured.
     pub fn rdsll(&self, axis: usize) -> Option<f64> {
         self.axes[axis].parameters.limits.map(|l| l.left)

@@ -118,6 +118,7 @@ impl Mcu {
     pub fn prepare_gcode(&mut self) {
         let all = self.all_axes();
         self.registers.modereg = ModeReg(self.machine.gcode.modereg);
+        self.registers.units = crate::units::TrajectoryUnits::default(); // part programs are in mm and s
         self.wrtrovrst(self.machine.gcode.trovrst_s);
         self.cl(all);
         self.set_referenced(all);

@@ -120,6 +120,7 @@ fn axis(section: Section<'_, '_>) -> Axis {
         drive: section.word("drive", &DRIVES, DriveKind::Servo),
         kind,
         counts_per_unit: section.required("counts_per_unit", &format!("counts/{unit}"), TINY..=BIG),
+        slsp: section.number("slsp", "counts", TINY..=BIG, 10_000.0),
         rapid,
         acceleration,
         jog_velocity: section.number("jog_velocity", &format!("{unit}/s"), TINY..=BIG, rapid / 4.0),

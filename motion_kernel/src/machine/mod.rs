@@ -76,6 +76,8 @@ pub struct Axis {
     pub kind: AxisKind,
     /// Encoder counts (stepper: steps) per mm or degree.
     pub counts_per_unit: f64,
+    /// Counts (steps) per motor revolution (4.4.102).
+    pub slsp: f64,
     pub rapid: f64,
     /// What the drive can accelerate.
     pub acceleration: f64,

@@ -47,6 +47,7 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ("axis.kind", "linear: positions in mm; rotary: in degrees.", ""),
     ("axis.drive", "servo: closed loop over the motor command; stepper: whole steps.", ""),
     ("axis.counts_per_unit", "Encoder counts (stepper: steps) per mm or degree.", ""),
+    ("axis.slsp", "Counts (steps) per motor revolution (4.4.102): revolutions of linear axes under PU rev.", ""),
     ("axis.rapid", "Speed of the axis under G00.", ""),
     ("axis.acceleration", "What the axis can do; default of the values below.", ""),
     ("axis.jog_velocity", "Jog velocity jvl.", "rapid / 4"),

@@ -65,6 +65,7 @@ impl Out {
         self.text("drive", word(&DRIVES, &a.drive));
         let numbers = [
             ("counts_per_unit", a.counts_per_unit),
+            ("slsp", a.slsp),
             ("rapid", a.rapid),
             ("acceleration", a.acceleration),
             ("jog_velocity", a.jog_velocity),

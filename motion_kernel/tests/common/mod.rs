@@ -22,6 +22,7 @@ fn axis(name: char, kind: AxisKind) -> Axis {
         drive: DriveKind::Stepper,
         kind,
         counts_per_unit: 10_000.0,
+        slsp: 10_000.0,
         rapid: 200.0,
         acceleration: 1000.0,
         jog_velocity: 50.0,
