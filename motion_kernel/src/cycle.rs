@@ -272,8 +272,7 @@ impl Mcu {
         for a in 0..self.axes.len() {
             let axis = &mut self.axes[a];
             let position_loop = &mut self.loops[a];
-            let held = axis.limiting.frozen.is_some();
-            position_loop.control(axis.set_point(), if held { 0.0 } else { axis.dv }, axis.limiting.motor_off);
+            position_loop.control(axis.set_point(), axis.set_velocity(), axis.limiting.motor_off);
             let travels = matches!(axis.doing, Doing::Move(_) | Doing::Alone) || axis.pending > 0;
             axis.status.put(Axst::pe, !travels);
             let off = (axis.set_point() - position_loop.rp()).abs();

@@ -25,6 +25,7 @@ pub(crate) struct Pending {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[allow(clippy::large_enum_variant)] // few, in a list of their own; a box would allocate inside a sample
 enum Direct {
     Jog { axis: usize, way: f64, relative: bool },
     Move(DirectMove),

@@ -98,7 +98,10 @@ pub struct Mcu {
     pub(crate) registers: Registers,
     pub(crate) ci: Vec<i32>,
     pub(crate) cd: Vec<f64>,
+    /// Digital inputs after inversion, those that are inverted, and what they mean to the axes.
     pub(crate) digi: u32,
+    pub(crate) inverted: u32,
+    pub(crate) axis_inputs: Vec<crate::limits::AxisInputs>,
     pub(crate) tasks: [Task; TASKS],
     /// Contour group of the program, and the axis whose entry the trace names.
     pub(crate) group: AxisSet,
@@ -152,7 +155,9 @@ impl Mcu {
             },
             ci: vec![0; COMMONS],
             cd: vec![0.0; COMMONS],
-            digi: 0,
+            digi: machine.inverted_inputs(),
+            inverted: machine.inverted_inputs(),
+            axis_inputs: crate::limits::AxisInputs::of(&machine),
             tasks: std::array::from_fn(|_| Task::default()),
             group: AxisSet::first(machine.axes.len()),
             leader: 0,

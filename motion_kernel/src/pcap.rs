@@ -2,7 +2,7 @@
 
 use crate::axes::AxisSet;
 use crate::axis::{Doing, Override};
-use crate::limits::Limiting;
+use crate::limits::{LIMIT_STATES, Limiting};
 use crate::mcu::{Mcu, WAIT_CI};
 use crate::profile::Profile;
 use crate::registers::{Axst, ModeReg};
@@ -101,7 +101,7 @@ impl Mcu {
             axis.limiting = Limiting::default();
             axis.forget_queue();
             self.loops[a].close(0.0);
-            self.set_status(a, Axst::saf | Axst::mpe | Axst::lsls | Axst::lsrs, false);
+            self.set_status(a, Axst::saf | Axst::mpe | LIMIT_STATES, false);
             self.axes[a].status.set(Axst::cl);
         }
     }

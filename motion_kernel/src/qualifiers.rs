@@ -50,6 +50,14 @@ impl Mcu {
         let bit = (1..=32).contains(&bitnr).then(|| self.axst(axis).0 >> (bitnr - 1) & 1);
         bit.unwrap_or(0) as i32
     }
+    /// Digital inputs after inversion, bit n-1 = input n (4.4.52).
+    pub fn rddigi(&self) -> u32 {
+        self.digi
+    }
+    /// One of them; `bitnr` counts from 1 (4.4.53).
+    pub fn rddigib(&self, bitnr: u32) -> i32 {
+        if (1..=32).contains(&bitnr) { (self.digi >> (bitnr - 1) & 1) as i32 } else { 0 }
+    }
     /// Sample time in microseconds; success is 1 (4.4.98).
     pub fn rdSampleTime(&self) -> (i32, i32) {
         (1, self.machine.controller.sample_ticks as i32 * 64)

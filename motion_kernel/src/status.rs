@@ -166,9 +166,9 @@ impl Mcu {
     pub fn set_cd(&mut self, number: usize, value: f64) {
         self.cd[number] = value;
     }
-    /// Digital inputs of the base board, bit n-1 = input n.
-    pub fn set_inputs(&mut self, digi: u32) {
-        self.digi = digi;
+    /// Levels of the digital inputs of the base board, bit n-1 = input n.
+    pub fn set_inputs(&mut self, levels: u32) {
+        self.digi = levels ^ self.inverted;
     }
     pub fn outputs(&self, axis: usize) -> u32 {
         self.axes[axis].digo

@@ -119,3 +119,104 @@ fn closing_the_loop_clears_the_state() {
     mcu.run(10);
     assert!(!mcu.axst(0).has(Axst::lsrs), "the held position lies inside");
 }
+
+/// mill3 with one input of a function for X at input 3, closed, on its way to X+30 at 50 mm/s.
+fn switched(function: &str, inverted: bool) -> Mcu {
+    let text = format!(
+        "{}\n[[input]]\nnumber = 3\naxis = \"X\"\nfunction = \"{function}\"\ninverted = {inverted}\n",
+        motion_kernel::machine::BUILTIN
+    );
+    let mut mcu = mcu_of(Machine::parse(text.as_bytes()).expect("valid"), ModeReg(0));
+    mcu.set_inputs(if inverted { 0xffff } else { 0 });
+    line(&mut mcu, &[30.0, 0.0, 0.0], 50.0, 1000.0, 0.0);
+    mcu.ssms(mcu.all_axes());
+    mcu
+}
+const INPUT_3: u32 = 1 << 2;
+
+// shows: limits.hardware-inputs, axst.lslh, axst.lsrh, axst.eo, axst.dnr, axst.ui, pcap.rddigi, pcap.rddigi.invert
+// shows: pcap.rddigib, pcap.rddigib.one-based
+#[test]
+fn status_bits_follow_their_inputs() {
+    for (function, bit, when) in [
+        ("LSL_TOM", Axst::lslh, true),
+        ("LSL_SMA", Axst::lslh, true),
+        ("LSL_SMD", Axst::lslh, true),
+        ("LSR_TOM", Axst::lsrh, true),
+        ("LSR_SMA", Axst::lsrh, true),
+        ("LSR_SMD", Axst::lsrh, true),
+        ("EO", Axst::eo, true),
+        ("DR", Axst::dnr, false),
+        ("UI", Axst::ui, true),
+        ("REF", Axst::refh, true),
+    ] {
+        for inverted in [false, true] {
+            let mut mcu = switched(function, inverted);
+            for active in [false, true, false] {
+                mcu.set_inputs(if active != inverted { INPUT_3 } else { 0 });
+                mcu.run(1);
+                assert_eq!(mcu.rddigi() & INPUT_3 != 0, active);
+                assert_eq!((mcu.rddigib(3), mcu.rddigib(2)), (i32::from(active), 0));
+                assert_eq!(mcu.axst(0).has(bit), active == when, "{function} {active}");
+                assert!(!mcu.axst(1).has(bit), "only for its axis");
+            }
+        }
+    }
+}
+
+// shows: limits.hardware-function, pcap.wrsdec.hard-limits
+#[test]
+fn an_smd_switch_brakes_with_sdec() {
+    let mut mcu = switched("LSR_SMD", false);
+    mcu.run(200);
+    let from = mcu.rddp(0);
+    mcu.set_inputs(INPUT_3);
+    mcu.run(400);
+    let brake = 50.0 * 50.0 / (2.0 * mcu.parameters(0).sdec);
+    assert!((mcu.rddp(0) - from - brake).abs() <= 2.0 * 50.0 * TA, "{} from {from}", mcu.rddp(0));
+    assert_eq!(mcu.status().axes[0].mcis, 0);
+}
+
+#[test]
+fn a_jog_into_an_smd_switch_is_braked() {
+    let mut mcu = switched("LSR_SMD", false);
+    mcu.run(2000);
+    mcu.ja(&motion_kernel::axes::AxisList::new(&[0]), &[200.0]);
+    mcu.run(500);
+    let from = mcu.rddp(0);
+    assert!(from > 40.0);
+    mcu.set_inputs(INPUT_3);
+    mcu.run(500);
+    assert!(mcu.stands() && mcu.rddp(0) - from < 5.0, "{} from {from}", mcu.rddp(0));
+}
+
+#[test]
+fn an_sma_switch_holds_until_the_profile_comes_back() {
+    let mut mcu = switched("LSR_SMA", false);
+    mcu.run(200);
+    let at = mcu.rddp(0);
+    mcu.set_inputs(INPUT_3);
+    mcu.run(600);
+    assert!((mcu.rddp(0) - at).abs() <= 50.0 * TA + 1e-9 && (mcu.rdrp(0) - mcu.rddp(0)).abs() < 1e-3);
+    line(&mut mcu, &[0.0, 0.0, 0.0], 50.0, 1000.0, 0.0);
+    mcu.ssms(mcu.all_axes());
+    mcu.run(1000);
+    assert!(mcu.axst(0).has(Axst::lsrh) && mcu.rdrp(0).abs() < 1e-3, "away from the switch it may go");
+}
+
+#[test]
+fn a_tom_switch_cuts_the_motor_towards_it_only() {
+    let mut mcu = switched("LSR_TOM", false);
+    mcu.run(200);
+    let at = mcu.rdrp(0);
+    mcu.set_inputs(INPUT_3);
+    mcu.run(600);
+    assert!(mcu.rdrp(0) - at < 0.5 && (mcu.rddp(0) - 30.0).abs() < 1e-9);
+    line(&mut mcu, &[0.0, 0.0, 0.0], 50.0, 1000.0, 0.0);
+    mcu.ssms(mcu.all_axes());
+    mcu.run(1000);
+    assert!(mcu.rdrp(0).abs() < 0.05, "{}: it may go away, but not be pulled back", mcu.rdrp(0));
+    mcu.set_inputs(0);
+    mcu.run(1);
+    assert!(!mcu.axst(0).has(Axst::lsrh));
+}

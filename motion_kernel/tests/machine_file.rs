@@ -68,6 +68,21 @@ fn lists_of_lines_and_m_functions_are_checked() {
 }
 
 #[test]
+fn inputs_are_checked() {
+    let with = |more: &str| findings(&format!("{BUILTIN}\n[[input]]\n{more}"))[0].id;
+    assert_eq!(with("number = 17"), "MC106");
+    assert_eq!(with("inverted = true"), "MC104");
+    assert_eq!(with("number = 1\nfunction = \"EO\""), "MC104");
+    assert_eq!(with("number = 1\naxis = \"X\""), "MC104");
+    assert_eq!(with("number = 1\nfunction = \"EO\"\naxis = \"Q\""), "MC107");
+    assert_eq!(with("number = 1\nfunction = \"LSL\"\naxis = \"X\""), "MC107");
+    let text = format!("{BUILTIN}\n[[input]]\nnumber = 2\nfunction = \"LSR_SMD\"\naxis = \"Y\"\ninverted = true\n");
+    let machine = Machine::parse(text.as_bytes()).expect("valid");
+    assert_eq!(machine.inverted_inputs(), 2);
+    assert_eq!(Machine::parse(machine.show().as_bytes()), Ok(machine));
+}
+
+#[test]
 fn a_machine_with_every_option_is_shown_and_read_back() {
     let more = "[gcode.outputs]\nclamp = []\nspindle_ccw = [1, 32]\n[[gcode.m]]\nnumber = 100\nset = [2]\nci = 5\n\
         value = -3\n[gcode.references]\nP4 = { Y = 2.5 }\n[gcode.offsets]\nG57 = { Z = 1e-3 }\n[gcode.dialect]\n\

@@ -56,6 +56,7 @@ pub(super) fn machine(file: Section<'_, '_>) -> Machine {
         None => GcodeDefaults::for_axes(axes.len()),
     };
     let machine = Machine {
+        inputs: file.sections("input").into_iter().map(|section| input(section, &axes)).collect(),
         name: file.text("name").unwrap_or("machine").to_owned(),
         tolerance_mm: file.number("tolerance_mm", "mm", TINY..=BIG, 0.05),
         axes,
@@ -156,6 +157,35 @@ pub(super) const LIMIT_FUNCTIONS: [(&str, LimitFunction); 4] = [
 ];
 /// Address letters of part programs that may name an axis (din66025.md section 4).
 pub const AXIS_LETTERS: &str = "XYZABCUVW";
+
+pub(super) const INPUT_FUNCTIONS: [(&str, InputFunction); 10] = [
+    ("LSL_TOM", InputFunction::Limit(Side::Left, LimitFunction::Tom)),
+    ("LSL_SMA", InputFunction::Limit(Side::Left, LimitFunction::Sma)),
+    ("LSL_SMD", InputFunction::Limit(Side::Left, LimitFunction::Smd)),
+    ("LSR_TOM", InputFunction::Limit(Side::Right, LimitFunction::Tom)),
+    ("LSR_SMA", InputFunction::Limit(Side::Right, LimitFunction::Sma)),
+    ("LSR_SMD", InputFunction::Limit(Side::Right, LimitFunction::Smd)),
+    ("EO", InputFunction::EmergencyOut),
+    ("DR", InputFunction::DriveReady),
+    ("UI", InputFunction::User),
+    ("REF", InputFunction::Reference),
+];
+
+fn input(section: Section<'_, '_>, axes: &[Axis]) -> Input {
+    let number = section.required_integer("number", 1..=16).unwrap_or(1);
+    let function = section.word_if_given("function", &INPUT_FUNCTIONS);
+    let name = section.text("axis");
+    let axis = name.and_then(|name| axes.iter().position(|a| a.name == name));
+    match (name, axis, function) {
+        (Some(name), None, _) => section.finding("axis", "MC107", &format!("there is no axis {name}")),
+        (None, _, Some(_)) => section.finding("function", "MC104", "the axis that the function is for is missing"),
+        (Some(_), Some(_), None) => section.finding("axis", "MC104", "the function that the axis is for is missing"),
+        _ => {}
+    }
+    let input = Input { number, inverted: section.flag("inverted").unwrap_or(false), function: axis.zip(function) };
+    section.done();
+    input
+}
 
 fn letter(section: &Section<'_, '_>, name: &str) -> Option<char> {
     let text = match section.text("letter") {

@@ -21,6 +21,8 @@ pub struct Machine {
     pub name: String,
     pub axes: Vec<Axis>,
     pub controller: Controller,
+    /// Digital inputs that are inverted or have a function.
+    pub inputs: Vec<Input>,
     pub gcode: GcodeDefaults,
     /// Verdict limit of the contour deviation, mm.
     pub tolerance_mm: f64,
@@ -110,6 +112,31 @@ pub struct SoftwareLimits {
     pub left: f64,
     pub right: f64,
     pub function: LimitFunction,
+}
+
+/// A digital input of the base board (2.4, 4.4.52).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Input {
+    /// 1 to 16.
+    pub number: u32,
+    pub inverted: bool,
+    /// Index of the axis, and what the input means to it.
+    pub function: Option<(usize, InputFunction)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InputFunction {
+    Limit(Side, LimitFunction),
+    EmergencyOut,
+    DriveReady,
+    User,
+    Reference,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    Left,
+    Right,
 }
 
 /// PIDF filter of chapter 2.1.2: error in counts, output in digits (32767 = 10 V); design D26.
@@ -267,6 +294,10 @@ impl Machine {
     }
     pub fn axis_by_letter(&self, letter: char) -> Option<usize> {
         self.axes.iter().position(|a| a.letter == Some(letter))
+    }
+    /// Mask of the inverted digital inputs.
+    pub fn inverted_inputs(&self) -> u32 {
+        self.inputs.iter().filter(|i| i.inverted).fold(0, |mask, i| mask | 1 << (i.number - 1))
     }
     pub fn sample_time_s(&self) -> f64 {
         f64::from(self.controller.sample_ticks) * 64e-6

@@ -19,6 +19,8 @@ counts_per_unit = 1e4
 limits = { left = -1.0, right = 1.0 }
 pidf = {}
 plant = {}
+[[input]]
+number = 1
 [gcode]
 dialect = {}
 outputs = {}
@@ -87,6 +89,14 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ("axis.plant.friction", "Deceleration of inertia 1 by dry friction (torque control).", ""),
     ("axis.plant.damping", "Deceleration of inertia 1 per velocity by viscous friction (torque control).", ""),
     ("axis.plant.backlash", "Play between motor (encoder) and load.", ""),
+    ("input.number", "Digital input of the base board. One with several functions has several tables.", ""),
+    ("input.inverted", "The input is active when its level is low (4.4.52).", "false"),
+    ("input.axis", "Name of the axis that the function is for.", "none"),
+    (
+        "input.function",
+        "Limit switch left or right with TOM, SMA or SMD (2.4); EO, DR, UI, REF: status bits eo, dnr (while inactive), ui, refh of the axis (4.4.45).",
+        "none",
+    ),
     (
         "gcode.modereg",
         "MODEREG bits by name (6.3.1.5, table 36).",
@@ -185,7 +195,7 @@ pub fn machine_reference() -> String {
 fn heading(table: &str) -> String {
     let title = match table {
         "" => "Top level".to_owned(),
-        "axis" | "gcode.tool" | "gcode.m" => format!("\\[\\[{table}\\]\\]"),
+        "axis" | "input" | "gcode.tool" | "gcode.m" => format!("\\[\\[{table}\\]\\]"),
         _ => table.to_owned(),
     };
     format!("\n## {title}\n\n| key | value | default | meaning |\n|---|---|---|---|\n")

@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Write};
 
-use super::file::{CONTROLS, DRIVES, KINDS, LIMIT_FUNCTIONS};
+use super::file::{CONTROLS, DRIVES, INPUT_FUNCTIONS, KINDS, LIMIT_FUNCTIONS};
 use super::gcode::{ARC_CENTRES, DWELL_UNITS, PROFILES};
 use super::*;
 use crate::registers::ModeReg;
@@ -15,6 +15,7 @@ impl Machine {
         out.value("tolerance_mm", number(self.tolerance_mm));
         out.controller(&self.controller);
         self.axes.iter().for_each(|axis| out.axis(axis));
+        self.inputs.iter().for_each(|input| out.input(input, &self.axes));
         out.gcode(&self.gcode, &self.axes);
         out.0
     }
@@ -109,6 +110,15 @@ impl Out {
         ];
         for (key, value) in numbers {
             self.value(key, number(value));
+        }
+    }
+    fn input(&mut self, input: &Input, axes: &[Axis]) {
+        self.line("\n[[input]]");
+        self.value("number", input.number);
+        self.value("inverted", input.inverted);
+        if let Some((axis, function)) = input.function {
+            self.text("axis", &axes[axis].name);
+            self.text("function", word(&INPUT_FUNCTIONS, &function));
         }
     }
     fn gcode(&mut self, g: &GcodeDefaults, axes: &[Axis]) {

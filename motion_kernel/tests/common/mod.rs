@@ -65,6 +65,7 @@ pub fn machine(letters: &str) -> Machine {
             tools: vec![],
             ..GcodeDefaults::for_axes(letters.len())
         },
+        inputs: vec![],
         tolerance_mm: 0.05,
     }
 }
