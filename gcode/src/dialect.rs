@@ -30,6 +30,8 @@ pub struct Limits {
     pub bytes: usize,
     pub errors: usize,
     pub blocks: u64,
+    /// Blocks in a row that command nothing: an endless loop is found after seconds.
+    pub idle_blocks: u64,
     pub calls: usize,
     /// Motion commands and spool functions in all, a bound on memory.
     pub commands: u64,
@@ -37,7 +39,14 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Limits { bytes: 256 << 20, errors: 100, blocks: 100_000_000, calls: 10, commands: 12_000_000 }
+        Limits {
+            bytes: 256 << 20,
+            errors: 100,
+            blocks: 100_000_000,
+            idle_blocks: 2_000_000,
+            calls: 10,
+            commands: 12_000_000,
+        }
     }
 }
 

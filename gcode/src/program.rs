@@ -84,6 +84,8 @@ pub(crate) struct Run<'t, 'm, 's> {
     numbers: Numbers,
     /// The program has begun: a block was executed.
     begun: bool,
+    /// Commands so far, and the block count when the last came.
+    commanded: (u64, u64),
     ended: bool,
     any_block: bool,
     told: Told,
@@ -116,6 +118,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             mode: Mode::Run,
             numbers: Numbers::default(),
             begun: false,
+            commanded: (0, 0),
             ended: false,
             any_block: false,
             told: Told::default(),
@@ -242,10 +245,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         if !self.t.faults.is_empty() || !self.t.sink.slowed.is_empty() {
             self.settle(line, text);
         }
-        if self.t.facts.blocks + self.flows.scanned > self.t.options.limits.blocks
-            || self.t.sink.commands > self.t.options.limits.commands
-        {
-            let limit = self.t.options.limits.blocks;
+        if let Some(limit) = self.exceeded() {
             self.report(line, text, &Fault::with(Id::GC602, block.span, &[&limit]));
             self.t.sink.drop_program();
             self.mode = Mode::Ignore;
@@ -253,6 +253,17 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             self.ended = true;
             self.flows.unwind();
         }
+    }
+    /// The limit of GC602 that the program has passed.
+    fn exceeded(&mut self) -> Option<u64> {
+        let (limits, blocks) = (self.t.options.limits, self.t.facts.blocks + self.flows.scanned);
+        if self.t.sink.commands != self.commanded.0 {
+            self.commanded = (self.t.sink.commands, blocks);
+        }
+        if blocks > limits.blocks || self.t.sink.commands > limits.commands {
+            return Some(limits.blocks);
+        }
+        (blocks - self.commanded.1 > limits.idle_blocks).then_some(limits.idle_blocks)
     }
     /// Program numbers, assignments and statements.
     fn execute_special(&mut self, block: &mut Block, text: &[u8]) -> crate::diagnostics::Check<Flow> {

@@ -1,4 +1,4 @@
-//! The real part programs of /work/shared/nc: which compile, and why the others are refused.
+//! The real part programs of ../shared/nc (or of CNC_FRONT_NC): which compile, and why the others are refused.
 
 mod common;
 
@@ -13,7 +13,7 @@ use motion_kernel::machine::Profile;
 fn folder() -> Option<PathBuf> {
     let beside = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/nc");
     let given = std::env::var_os("CNC_FRONT_NC").map(PathBuf::from);
-    [given, Some(PathBuf::from("/work/shared/nc")), Some(beside)].into_iter().flatten().find(|p| p.is_dir())
+    [given, Some(beside)].into_iter().flatten().find(|p| p.is_dir())
 }
 
 /// (file, machine, profile, ids of all errors: none = it compiles)

@@ -13,7 +13,7 @@ from tests.house.test_sizes import ROOT
 README = (ROOT / "README.md").read_text("utf-8")
 # indented or quoted commands; those with a PLACEHOLDER are explained, not typed
 TYPED = re.findall(r"(?:^    (?:\$ )?|`)((?:cnc-front|make) [^`#\n]*)", README, re.MULTILINE)
-COMMANDS = [command.strip() for command in TYPED if not re.search(r"\b[A-Z]{2,}\b|F\.mcap| / ", command)]
+COMMANDS = [c.strip() for c in TYPED if not re.search(r"\b[A-Z]{2,}\b|F\.mcap|^cnc-front \w+$", c)]
 
 
 @pytest.mark.parametrize("line", COMMANDS)
@@ -32,13 +32,6 @@ def test_command_exists(line: str) -> None:
 def test_the_two_commands_come_first() -> None:
     assert COMMANDS[:2] == ["make demo", "make test"]
     assert "cnc-front tui examples/jobs/cam.nc" in COMMANDS
-
-
-@pytest.mark.parametrize("page", ["README.md", "ARCHITECTURE.md"])
-def test_links_lead_somewhere(page: str) -> None:
-    text = (ROOT / page).read_text("utf-8")
-    links = [link for link in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in link]
-    assert not [link for link in links if not (ROOT / link).exists()]
 
 
 def test_its_python_runs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
