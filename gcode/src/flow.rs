@@ -87,7 +87,7 @@ pub(crate) struct Flows<'s> {
     max_calls: usize,
     library: Option<crate::dialect::Library>,
     main_line: u32,
-    /// Lines passed over by searches, they count toward GC602.
+    /// Statements executed and lines passed over by searches, they count toward GC602.
     pub scanned: u64,
 }
 

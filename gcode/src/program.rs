@@ -282,6 +282,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             let note = block.comment.map_or(&b""[..], |c| &text[c.start as usize..c.end as usize]);
             self.t.alarm(block, crate::source::decode(note).trim());
         }
+        self.flows.scanned += u64::from(block.statement.is_some());
         match block.statement.take() {
             Some(crate::block::Statement::Done) => Ok(Flow::Next),
             Some(statement @ crate::block::Statement::Write { .. }) => {

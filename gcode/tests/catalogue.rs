@@ -263,7 +263,7 @@ fn ids_that_need_another_machine_or_option() {
     let compiled = compile(endless.as_bytes(), "t.nc", &mill3(), &few);
     assert!(compiled.diagnostics.iter().any(|d| d.id == "GC602"));
     let idle = limits(Limits { idle_blocks: 1000, ..Limits::default() });
-    expect(("GC602", 1, 5, 11, "N1 GOTO 1\nM30\n"), &mill3(), &idle);
+    expect(("GC602", 1, 1, 9, "N1 GOTO 1\nM30\n"), &mill3(), &idle);
     let busy = "#1=0\nWHILE [#1 LT 400] DO1\n#1=[#1+1]\nG4 P2\nEND1\nM30\n";
     assert!(compile(busy.as_bytes(), "t.nc", &mill3(), &idle).program.is_some(), "1600 blocks, but they command");
     let mut excluded = example("mill4a");
