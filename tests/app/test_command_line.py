@@ -22,11 +22,11 @@ LONG = "G90 G21 F60\n" + "G1 X300\nX-300\n" * 400 + "M30\n"
 
 def test_help_loads_nothing_heavy_and_is_quick() -> None:
     probe = (
-        "import sys, time; t = time.perf_counter()\n"
+        "import sys, time; t = time.process_time()\n"
         "from cnc_front.cli import run_command_line\n"
         "try: run_command_line(['--help'])\n"
         "except SystemExit: pass\n"
-        "print(time.perf_counter() - t, file=sys.stderr)\n"
+        "print(time.process_time() - t, file=sys.stderr)\n"
         "print(*sorted({m.split('.')[0] for m in sys.modules}), file=sys.stderr)\n"
     )
     took = []
@@ -35,7 +35,7 @@ def test_help_loads_nothing_heavy_and_is_quick() -> None:
         seconds, modules = done.stderr.strip().split("\n")
         assert not HEAVY & set(modules.split()), "heavy modules at start-up"
         took.append(float(seconds))
-    assert min(took) < 0.3
+    assert min(took) < 0.3, "seconds of processor time: a busy machine is no failure"
     assert "examples:" in done.stdout
 
 

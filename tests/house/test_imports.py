@@ -95,10 +95,5 @@ def loaded_by(code: str) -> set[str]:
     return set(run.stdout.split("\n")[-2].split())
 
 
-def test_help_loads_nothing_heavy() -> None:
-    code = "from cnc_front.cli import run_command_line as run\ntry: run(['--help'])\nexcept SystemExit: pass"
-    assert not loaded_by(code) & HEAVY
-
-
 def test_the_package_itself_loads_nothing() -> None:
     assert not loaded_by("import cnc_front") & HEAVY
