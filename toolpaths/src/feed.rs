@@ -14,6 +14,8 @@ pub struct Interval {
     pub rapid: bool,
     /// The length is exact enough to compare speeds.
     pub unambiguous: bool,
+    /// Begins and ends on one motion command.
+    pub same_command: bool,
 }
 
 impl Interval {
@@ -26,6 +28,7 @@ impl Interval {
             self.length = travel;
             self.programmed_s = travel * slowness;
         }
+        self.same_command = same_command;
         self.certain = self.length.min(travel);
         self.unambiguous = (same_command || !off) && self.length - self.certain <= 1e-3 * self.length;
     }
@@ -117,8 +120,9 @@ pub struct OverrideCheck {
     planned: [f64; 3],
     factor: f64,
     same_factor: u32,
-    /// Length of the last interval, if it is unambiguous.
+    /// Length of the last interval, if it is unambiguous, and whether it stayed on one command.
     length: f64,
+    same_command: bool,
     ratio_error: Option<f64>,
 }
 
@@ -137,6 +141,7 @@ impl OverrideCheck {
             factor: f64::NAN,
             same_factor: 0,
             length: 0.0,
+            same_command: false,
             ratio_error: None,
         }
     }
@@ -165,6 +170,7 @@ impl OverrideCheck {
         self.compare_speeds(planned);
         self.planned = [planned, self.planned[0], self.planned[1]];
         self.length = if interval.unambiguous { interval.length } else { 0.0 };
+        self.same_command = interval.same_command;
     }
 
     /// Judges the last interval when planned speed changes evenly before, in and after it: then its mean is known.
@@ -175,7 +181,9 @@ impl OverrideCheck {
         let bend = (before - 2.0 * start + end).abs() + (start - 2.0 * end + after).abs();
         let standing = before <= 0.0 || after <= 0.0 || self.length <= 0.0 || self.factor <= 0.0;
         if bend <= 1e-7 * mean && self.same_factor >= 4 && !standing {
-            let error = (self.length / (self.factor * self.sample_time_s * mean) - 1.0).abs();
+            let excess = self.length / (self.factor * self.sample_time_s * mean) - 1.0;
+            // between commands planned speed may dip and recover within the interval
+            let error = if self.same_command { excess.abs() } else { excess.max(0.0) };
             if self.ratio_error.is_none_or(|worst| error > worst) {
                 self.ratio_error = Some(error);
             }
@@ -212,6 +220,7 @@ mod tests {
                 certain: length,
                 rapid: false,
                 unambiguous: true,
+                same_command: true,
             };
             check.add(time_s, &interval, planned, 0.0);
         }

@@ -277,6 +277,7 @@ impl Tracker {
             certain: length,
             rapid: path.block(segment.block).rapid,
             unambiguous: true,
+            same_command: true,
         };
         let off = deviation.max(self.last_deviation) > ON_PATH_MM;
         if off || !same_segment {
