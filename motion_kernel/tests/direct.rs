@@ -429,3 +429,17 @@ fn a_direct_move_is_held_and_resumed_on_its_path() {
     assert!(trace.dp.chunks(2).all(|p| ((p[0] - 5.0).hypot(p[1]) - 5.0).abs() < 1e-12));
     close(m.status().axes[1].dp, -5.0, 1e-12);
 }
+
+// shows: pcap.wrmaxvel.spooled-only, pcap.wrmaxacc.spooled-only
+#[test]
+fn the_limits_of_chk_max_vel_are_for_spooled_commands() {
+    let mut m = mcu("X", EXACT | ModeReg::ChkMaxVel);
+    (m.parameters_mut(0).maxvel, m.parameters_mut(0).maxacc) = (5.0, 20.0);
+    direct(&mut m, Smla, &[0], &[10.0], [20.0, 100.0, 0.0]);
+    let v = velocities(&mut m);
+    close(v.iter().copied().fold(0.0, f64::max), 20.0, 1e-6);
+    close(v.windows(2).map(|w| (w[1] - w[0]) / TA).fold(0.0, f64::max), 100.0, 1e-3);
+    line(&mut m, &[0.0], 20.0, 100.0, 0.0);
+    let spooled = run(&mut m);
+    close(spooled.v_plan.iter().copied().fold(0.0, f64::max), 5.0, 1e-9);
+}

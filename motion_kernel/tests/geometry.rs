@@ -3,9 +3,11 @@
 mod common;
 
 use common::*;
+use motion_kernel::Mcu;
 use motion_kernel::autocode::MoveKind::{Smca, Smcr, Smha, Smhr, Smla, Smlr};
 use motion_kernel::axes::{AxisList, AxisSet};
 use motion_kernel::functions::Entered;
+use motion_kernel::motion::MotionCommand;
 use motion_kernel::registers::{Axst, ErrorReg, ModeReg};
 use motion_kernel::trace::Trace;
 
@@ -118,31 +120,44 @@ fn a_relative_helix_counts_everything_from_the_start() {
     at(&end(&run(&mut m)), &[11.0, 2.0, 5.0]);
 }
 
+// shows: pcap.mha.target-mode, pcap.mha.target-mode-sign, pcap.mha.target-mode-full-circle, pcap.mha.target-corrected
+// shows: pcap.mhr.target-mode
 #[test]
 fn phi_0_of_a_helix_means_to_the_target_point() {
-    let to = |target: [f64; 2], phi: f64| {
+    for direct in [false, true] {
+        let go = |m: &mut Mcu, kind, target: [f64; 2], phi: f64| {
+            let [vl, ac, tvl] = V;
+            let axes = xy();
+            let center = [5.0, 0.0];
+            let command =
+                MotionCommand { kind, axes: &axes, targets: &target, center, phi, vl, ac, tvl, rapid: false, line: 1 };
+            let entered = if direct { m.direct(&command) } else { m.spool(&command) };
+            assert_eq!(entered, Entered::Yes);
+            run(m)
+        };
+        let to = |target: [f64; 2], phi: f64| {
+            let mut m = mcu("XY", EXACT);
+            let trace = go(&mut m, Smha, target, phi);
+            (trace.len(), end(&trace), points(&trace)[20][1])
+        };
+        // counter-clockwise from (0, 0) around (5, 0) begins downwards
+        let (quarter, p, y) = to([5.0, -5.0], 0.0);
+        at(&p, &[5.0, -5.0]);
+        assert!(y < 0.0);
+        let (three_quarters, p, y) = to([5.0, -5.0], -1e-120);
+        at(&p, &[5.0, -5.0]);
+        assert!(y > 0.0 && three_quarters > 2 * quarter);
+        // the target is the start: a full circle; off the circle: corrected onto it
+        let (full, p, _) = to([0.0, 0.0], 0.0);
+        at(&p, &[0.0, 0.0]);
+        assert!(full > three_quarters);
+        at(&to([5.0, -9.0], 0.0).1, &[5.0, -5.0]);
+        // relative form: target and centre from the start
         let mut m = mcu("XY", EXACT);
-        spool(&mut m, Smha, &xy(), &target, [5.0, 0.0], phi, V);
-        let trace = run(&mut m);
-        (trace.len(), end(&trace), points(&trace)[20][1])
-    };
-    // counter-clockwise from (0, 0) around (5, 0) begins downwards
-    let (quarter, p, y) = to([5.0, -5.0], 0.0);
-    at(&p, &[5.0, -5.0]);
-    assert!(y < 0.0);
-    let (three_quarters, p, y) = to([5.0, -5.0], -1e-120);
-    at(&p, &[5.0, -5.0]);
-    assert!(y > 0.0 && three_quarters > 2 * quarter);
-    // the target is the start: a full circle; off the circle: corrected onto it
-    let (full, p, _) = to([0.0, 0.0], 0.0);
-    at(&p, &[0.0, 0.0]);
-    assert!(full > three_quarters);
-    at(&to([5.0, -9.0], 0.0).1, &[5.0, -5.0]);
-    // relative form: target and centre from the start
-    let mut m = mcu("XY", EXACT);
-    line(&mut m, &[1.0, 1.0], 20.0, 200.0, 0.0);
-    spool(&mut m, Smhr, &xy(), &[5.0, -5.0], [5.0, 0.0], 0.0, V);
-    at(&end(&run(&mut m)), &[6.0, -4.0]);
+        line(&mut m, &[1.0, 1.0], 20.0, 200.0, 0.0);
+        run(&mut m);
+        at(&end(&go(&mut m, Smhr, [5.0, -5.0], 0.0)), &[6.0, -4.0]);
+    }
 }
 
 // shows: interp.circle.direction-mismatch
@@ -236,7 +251,8 @@ fn a_circle_on_a_cylinder_is_one_on_the_unrolled_surface() {
     at(&end(&trace), &[0.0, 2.0 * centre_degrees]);
 }
 
-/// Axes in NFRAX take part, but do not count for the path velocity; alone they do.
+/// Alone they do count.
+// shows: pcap.wrnfrax.effect
 #[test]
 fn nfrax_axes_do_not_count_for_the_feed() {
     let samples = |nfrax: AxisSet, target: [f64; 2]| {

@@ -45,6 +45,7 @@ fn ms_brakes_with_the_path_acceleration_and_discards_the_rest() {
     close(m.status().axes[1].dp, 0.0, 0.0);
 }
 
+// shows: pcap.wrtrac.ms-decel
 #[test]
 fn ms_decel_brakes_with_trac() {
     let mut m = cruising();

@@ -127,12 +127,14 @@ fn the_jog_override_is_effective_at_once() {
     assert_eq!(m.rdjovr(0), 0.5);
 }
 
-// shows: pcap.rs.override, pcap.wrtrovr.reset
+// shows: pcap.rs.override, pcap.wrtrovr.reset, pcap.rs.spooler
 #[test]
 fn rs_sets_all_factors_to_1() {
     let mut m = long_line(EXACT);
     set_override(&mut m, 0.5, 0.0);
+    line(&mut m, &[10.0, 0.0], 20.0, 100.0, 0.0);
     m.rs();
+    assert!(m.status().axes.iter().all(|a| a.mcis == 0 && a.lsm == a.memory));
     m.run(1);
     assert_eq!((m.status().trovr, m.rdjovr(0), m.status().factor), (1.0, 1.0, 1.0));
 }
