@@ -12,9 +12,9 @@ from cnc_front import VERSION
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import toolpaths as native_paths
 from cnc_front.jobs import CompiledJob, JobSource
-from cnc_front.recording import Recorded, RecordingSink, open_recording
+from cnc_front.recording import RESULT, Recorded, RecordingSink, content_of, open_recording
 from cnc_front.run import RunOptions, RunResult, dry_run
-from cnc_front.verdict import Verdict, judge, measured_keys, partial_object, run_object
+from cnc_front.verdict import EMPTY, SCHEMA, Verdict, judge, measured_keys, partial_object, run_object
 
 if TYPE_CHECKING:
     from cnc_front.report import ReportInput
@@ -30,40 +30,56 @@ def run_and_write(
 ) -> tuple[RunResult, Verdict, dict[str, Any]]:
     """The run, its verdict, and the object of design 3.2; files are written before it returns."""
     tolerance = tolerance_mm if tolerance_mm is not None else job.machine.machine.tolerance_mm
-    sink = RecordingSink(record, job, _metadata(job, options, tolerance)) if record else None
-    plotting = _Plotting() if report else None
+    sink = (
+        RecordingSink(record, job, _metadata(job, options, tolerance, _tolerance_from(tolerance_mm)))
+        if record
+        else None
+    )
+    plotting = _Plotting(tolerance) if report else None
     result = dry_run(job, options, sink, plotting)
     verdict = judge(result, tolerance)
     files = {"recording": str(record) if record else None, "report": str(report) if report else None}
     run = run_object(result, verdict, files)
+    run["verdict"]["tolerance_from"] = _tolerance_from(tolerance_mm)
     if sink is not None:
         sink.finish(run)
     if report is not None and plotting is not None:
         from cnc_front.report import write_report
 
         machine, events = job.machine.machine, _events(result)
-        write_report(plotting.report_input(run, job.source, machine, events), report, language)
+        write_report(plotting.report_input(run, result.summary, job.source, machine, events), report, language)
     return result, verdict, run
 
 
 def report_from_recording(recording: str, folder: Path, language: str) -> None:
-    """Builds the report of a recorded run; the figures are measured again from its columns."""
+    """Builds the report of a recorded run; the figures are measured again from its columns.
+
+    Raises CompileError for what is no recording of ours, OSError where the report cannot be written.
+    """
     from cnc_front.report import write_report
 
-    recorded = open_recording(recording)
-    machine = native_kernel.Machine.parse(recorded.machine_text.encode(), recorded.metadata["machine_path"])
-    source = JobSource(recorded.metadata["job_path"], recorded.job, "din66025")
-    path, plotting = native_paths.Path(recorded.sequence), _Plotting()
-    schedule = [(t, f) for t, f in json.loads(recorded.metadata["schedule"])]
+    with content_of(recording):
+        report = _measured_again(open_recording(recording))
+    write_report(report, folder, language)
+
+
+def _measured_again(recorded: Recorded) -> ReportInput:
+    metadata = recorded.metadata
+    machine = native_kernel.Machine.parse(recorded.machine_text.encode(), metadata["machine_path"])
+    source = JobSource(metadata["job_path"], recorded.job, "din66025")
+    path = native_paths.Path(recorded.sequence)
+    plotting = _Plotting(float(metadata["tolerance_mm"]))
+    schedule = [(t, f) for t, f in json.loads(metadata["schedule"])]
     tracker = native_paths.Tracker(
         path, sample_time_s=machine.sample_time_us * 1e-6, schedule=schedule, trovrst_s=machine.trovrst_s
     )
     plotting.begin(path, tracker)
     samples = _measure(recorded, tracker, plotting)
-    run = _run_of(recorded, source, machine, tracker.finish(), samples)
-    report = plotting.report_input(run, source, machine, recorded.events)
-    report.note = f"{recording}: {recorded.damage}" if recorded.damage else ""
-    write_report(report, folder, language)
+    summary = tracker.finish()
+    run = _run_of(recorded, source, machine, summary, samples)
+    report = plotting.report_input(run, summary, source, machine, recorded.events)
+    report.note = f"{recorded.path}: {recorded.damage}" if recorded.damage else ""
+    return report
 
 
 def _measure(recorded: Recorded, tracker: native_paths.Tracker, plotting: _Plotting) -> int:
@@ -82,17 +98,27 @@ def _run_of(
     """The recorded result with the figures measured now; without a result (cut off) what can be said."""
     tolerance = float(recorded.metadata["tolerance_mm"])
     schedule = json.loads(recorded.metadata["schedule"])
-    run = recorded.result or partial_object(source, machine, recorded, samples, tolerance)
+    run = recorded.result
+    if run is None:
+        run = partial_object(source, machine, recorded, samples, tolerance)
+    if not run.keys() >= EMPTY.keys() or run["schema"] != SCHEMA:
+        raise ValueError(f"{RESULT} is no result of a run")
+    run["verdict"].setdefault("tolerance_from", recorded.metadata.get("tolerance_from", "machine"))
     return run | measured_keys(summary, machine.axis_names, schedule)
 
 
 class _Plotting:
     """What only a report needs: the polyline with its deviation, the histogram."""
 
-    def begin(self, path: native_paths.Path, tracker: native_paths.Tracker) -> None:
-        from cnc_front.report.data import PLOT_POINTS, Histogram
+    def __init__(self, tolerance_mm: float) -> None:
+        from cnc_front.report.data import Histogram
 
-        self.path, self.tracker, self.histogram = path, tracker, Histogram()
+        self.histogram = Histogram(tolerance_mm)
+
+    def begin(self, path: native_paths.Path, tracker: native_paths.Tracker) -> None:
+        from cnc_front.report.data import PLOT_POINTS
+
+        self.path, self.tracker = path, tracker
         self.polyline = path.polyline(0.005, PLOT_POINTS)
         tracker.watch(self.polyline["s_mm"])
 
@@ -102,6 +128,7 @@ class _Plotting:
     def report_input(
         self,
         run: dict[str, Any],
+        summary: dict[str, Any],
         source: JobSource,
         machine: native_kernel.Machine,
         events: list[dict[str, Any]],
@@ -111,6 +138,7 @@ class _Plotting:
         watched, _ = self.tracker.watched()
         return ReportInput(
             run=run,
+            summary=summary,
             job_lines=source.text().splitlines(),
             axes=list(machine.axis_names),
             units=list(machine.units),
@@ -142,12 +170,18 @@ def _events(result: RunResult) -> list[dict[str, Any]]:
     return sorted(log + hosts, key=lambda event: event["t_s"])
 
 
-def _metadata(job: CompiledJob, options: RunOptions, tolerance_mm: float) -> dict[str, str]:
+def _tolerance_from(tolerance_mm: float | None) -> str:
+    """Where the limit comes from: `option` (--tolerance) or `machine` (file or default)."""
+    return "machine" if tolerance_mm is None else "option"
+
+
+def _metadata(job: CompiledJob, options: RunOptions, tolerance_mm: float, tolerance_from: str) -> dict[str, str]:
     """The arguments of a run that a report needs."""
     return {
         "job_path": job.source.path,
         "machine_path": job.machine.path,
         "tolerance_mm": repr(tolerance_mm),
+        "tolerance_from": tolerance_from,
         "schedule": json.dumps([list(point) for point in options.schedule]),
         "version": VERSION,
     }

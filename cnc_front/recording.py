@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import io
 import json
+import zipfile
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -23,6 +25,8 @@ from cnc_front.execution import Happened, LogEntry
 from cnc_front.jobs import CompiledJob
 
 Columns = dict[str, Any]
+#: Keys of the run object that differ between two runs of the same input.
+VOLATILE = ("wall_time_s", "files")
 JOB, MACHINE, SEQUENCE, RESULT = "job", "machine.toml", "sequence.npz", "result.json"
 
 
@@ -57,8 +61,11 @@ class RecordingSink:
         self._writer.write_event(t_s, json.dumps(event | {"value": value, "text": text}))
 
     def finish(self, run_object: dict[str, Any]) -> None:
-        """Adds the result and closes the file."""
-        self._writer.finish(json.dumps(run_object, allow_nan=False))
+        """Adds the result and closes the file.
+
+        What differs between two runs of the same input stays out, so that the same run gives the same bytes.
+        """
+        self._writer.finish(json.dumps(run_object | dict.fromkeys(VOLATILE), allow_nan=False))
 
 
 @dataclass(slots=True)
@@ -96,25 +103,36 @@ def open_recording(path: str) -> Recorded:
     if not Path(path).is_file():
         reason = "not a regular file" if Path(path).exists() else "file not found"
         raise CompileError([_unreadable(path, reason)])
-    reader = native.Reader(path)
-    found: dict[str, Any] = {}
-    first = None
-    try:
+    with content_of(path):
+        reader = native.Reader(path)
+        found: dict[str, Any] = {}
+        first, events = None, []
         while first is None and (item := reader.next_item()) is not None:
             kind, name, value = item
             if kind == "columns":
                 first = value
-            elif kind in ("attachment", "metadata"):
+            elif kind == "event":
+                events.append(json.loads(value))
+            else:
                 found[name] = value
         sequence = _unpack(found[SEQUENCE])
         job, machine, metadata = found[JOB], found[MACHINE].decode(), found["run"]
-    except (ValueError, KeyError, UnicodeDecodeError) as error:
-        reason = str(error) if isinstance(error, ValueError) else f"no {error}"
-        raise CompileError([_unreadable(path, reason)]) from None
-    recorded = Recorded(path, job, machine, sequence, metadata, _reader=reader, _first=first)
-    if RESULT in found:
-        recorded.result = json.loads(found[RESULT])
-    return recorded
+        result = json.loads(found[RESULT]) if RESULT in found else None
+    return Recorded(path, job, machine, sequence, metadata, result, events, reader.damage, reader, first)
+
+
+#: What reading a sound file with senseless content ends in.
+SENSELESS = (ValueError, KeyError, TypeError, IndexError, AttributeError, EOFError, MemoryError, zipfile.BadZipFile)
+
+
+@contextmanager
+def content_of(path: str) -> Iterator[None]:
+    """Whoever makes sense of the content of a recording does it in here: what has none raises CompileError."""
+    try:
+        yield
+    except (*SENSELESS, native_kernel.MachineError) as error:
+        reason = f"there is no {error}" if isinstance(error, KeyError) else str(error) or type(error).__name__
+        raise CompileError([_unreadable(path, reason)]) from error
 
 
 def _unreadable(path: str, reason: str) -> Diagnostic:

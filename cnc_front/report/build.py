@@ -12,26 +12,30 @@ from typing import Any
 from cnc_front import VERSION
 from cnc_front.messages import text
 from cnc_front.outputs import REPORT_FILE, REPORT_MARK
-from cnc_front.report.data import ReportInput, block_table, plot_data
+from cnc_front.recording import VOLATILE
+from cnc_front.report.data import ReportInput, block_table, findings, plot_data, statistics, worst_vertices
 from cnc_front.report.words import WORDS
 
 SCHEMA = "cnc-front/report/1"
-#: Keys of the run object that differ between two runs of the same input.
-VOLATILE = ("wall_time_s", "files")
+#: Parts of the script of the page, in their order.
+SCRIPTS = ("plot.js", "path.js", "table.js", "report.js")
 
 
 def write_report(report: ReportInput, folder: Path, language: str) -> None:
     """Writes all files of the report; raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
     rows = block_table(report)
-    figures = report_json(report)
+    vertices = worst_vertices(report)
+    figures = report_json(report, findings(report, rows, vertices))
+    data = plot_data(report, rows, vertices)
+    # first the page, which marks the folder as ours: a later run may then replace what an interrupted one left
+    (folder / REPORT_FILE).write_text(html(report, data, figures, language), encoding="utf-8")
     (folder / "report.json").write_text(json.dumps(figures, indent=1, allow_nan=False), encoding="utf-8")
     _write_blocks(folder / "blocks.csv", rows)
     _write_pictures(report, folder / "png")
-    (folder / REPORT_FILE).write_text(html(report, rows, figures, language), encoding="utf-8")
 
 
-def report_json(report: ReportInput) -> dict[str, Any]:
+def report_json(report: ReportInput, worst: list[dict[str, Any]]) -> dict[str, Any]:
     """The figures; the same input gives the same object apart from `run`."""
     result = {key: value for key, value in report.run.items() if key not in VOLATILE}
     run = {key: report.run.get(key) for key in VOLATILE}
@@ -41,13 +45,15 @@ def report_json(report: ReportInput) -> dict[str, Any]:
         "schema": SCHEMA,
         "version": VERSION,
         "result": result,
+        "findings": worst,
+        "statistics": statistics(report),
         "histogram": counts,
         "note": report.note,
         "run": run,
     }
 
 
-def html(report: ReportInput, rows: list[dict[str, Any]], figures: dict[str, Any], language: str) -> str:
+def html(report: ReportInput, data: dict[str, Any], figures: dict[str, Any], language: str) -> str:
     """The page: everything inline, nothing from the network."""
     from jinja2 import Environment, StrictUndefined
 
@@ -60,8 +66,8 @@ def html(report: ReportInput, rows: list[dict[str, Any]], figures: dict[str, Any
         language=language,
         words=WORDS[language],
         css=(room / "report.css").read_text(encoding="utf-8"),
-        script=(room / "report.js").read_text(encoding="utf-8"),
-        data=_script_json(plot_data(report, rows) | {"words": WORDS[language]}),
+        script="\n".join((room / name).read_text(encoding="utf-8") for name in SCRIPTS),
+        data=_script_json(data | {"words": WORDS[language]}),
         figures=_script_json(figures),
         run=report.run,
         date=figures["run"]["date"],
@@ -70,7 +76,9 @@ def html(report: ReportInput, rows: list[dict[str, Any]], figures: dict[str, Any
         note=report.note,
         units=dict(zip(report.axes, report.units, strict=True)),
         mpe=dict(zip(report.axes, report.mpe, strict=True)),
-        rows=rows,
+        axes=report.axes,
+        findings=figures["findings"],
+        statistics=figures["statistics"],
     )
 
 

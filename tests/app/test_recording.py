@@ -11,6 +11,9 @@ import pytest
 from mcap.exceptions import McapError
 from mcap.reader import NonSeekingReader, make_reader
 
+from cnc_front._native import recording as native
+from cnc_front.deliver import report_from_recording
+from cnc_front.errors import CompileError
 from cnc_front.execution import Execution
 from cnc_front.jobs import CompileOptions, compile_job, load_machine, read_job
 from cnc_front.recording import open_recording
@@ -78,15 +81,61 @@ def test_a_cut_recording_yields_its_first_part(recorded: tuple[Path, dict], tmp_
     assert messages > 100
 
 
-def test_the_same_run_gives_the_same_bytes_but_for_the_result(
-    cli: Cli, tmp_path: Path, job: Callable[..., Path]
-) -> None:
+def test_the_same_run_gives_the_same_bytes(cli: Cli, tmp_path: Path, job: Callable[..., Path]) -> None:
     part = job("G1 X10 F600\nG3 X10 I-3 J0\nM30\n")
     for name in ("a", "b"):
         assert cli("run", part, "--record", tmp_path / f"{name}.mcap").code == 0
-    a, b = (list(open_recording(str(tmp_path / f"{n}.mcap")).columns()) for n in ("a", "b"))
-    assert len(a) == len(b)
-    assert all(np.array_equal(x[k], y[k]) for x, y in zip(a, b, strict=True) for k in x)
+    assert (tmp_path / "a.mcap").read_bytes() == (tmp_path / "b.mcap").read_bytes()
+
+
+def test_damage_anywhere_is_an_answer_not_a_traceback(cli: Cli, tmp_path: Path, job: Callable[..., Path]) -> None:
+    assert cli("run", job("G1 X10 F600\nG3 X10 I-3 J0\nM30\n"), "--record", tmp_path / "r.mcap").code == 0
+    whole = (tmp_path / "r.mcap").read_bytes()
+    bad = tmp_path / "bad.mcap"
+    refused = answered = 0
+    for at in [*range(0, len(whole), len(whole) // 60), *range(len(whole) - 2000, len(whole), 150)]:
+        for damaged in (whole[:at], whole[:at] + bytes([whole[at] ^ 0x55]) + whole[at + 1 :]):
+            bad.write_bytes(damaged)
+            try:
+                report_from_recording(str(bad), tmp_path / "report", "en")
+                answered += 1
+            except CompileError as error:
+                refused += 1
+                assert error.diagnostics[0].id == "CF401"
+    assert refused > 5 and answered > 5
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("machine.toml", b"[machine"),
+        ("machine.toml", b"\xff\x00"),
+        ("sequence.npz", b"PK\x03\x04 no such thing"),
+        ("sequence.npz", b""),
+        ("result.json", b"[]"),
+        ("result.json", b'{"schema": "cnc-front/run/1"}'),
+        ("result.json", b"{"),
+        ("tolerance_mm", b"?"),
+        ("schedule", b"[[1]]"),
+    ],
+)
+def test_a_sound_file_with_senseless_content_is_refused(
+    recorded: tuple[Path, dict], tmp_path: Path, name: str, content: bytes
+) -> None:
+    """Checksums cannot find that."""
+    with recorded[0].open("rb") as file:
+        reader = make_reader(file)
+        attached = {a.name: a.data for a in reader.iter_attachments()}
+        metadata = next(m.metadata for m in reader.iter_metadata() if m.name == "run")
+    for have in (attached, metadata):
+        if name in have:
+            have[name] = content if have is attached else content.decode()  # type: ignore[assignment]
+    result = attached.pop("result.json").decode()
+    files = [(n, "", data) for n, data in attached.items()]
+    native.Writer(tmp_path / "f.mcap", ["X", "Y", "Z"], 1.28e-3, files, metadata).finish(result)
+    with pytest.raises(CompileError, match="CF401"):
+        report_from_recording(str(tmp_path / "f.mcap"), tmp_path / "report", "en")
+    assert not (tmp_path / "report").exists()
 
 
 @pytest.mark.parametrize("content", [b"", b"G0 X1\n", b"\x89MCAP0\r\n", bytes(range(256)) * 40])

@@ -11,8 +11,10 @@ from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from cnc_front.recording import open_recording
 from tests.app.conftest import ROOT, Cli
 
 BRACKET = ROOT / "examples/jobs/bracket.nc"
@@ -87,7 +89,12 @@ def test_the_page_stands_alone(reported: tuple[Path, dict]) -> None:
     assert Page(html).links == []
     assert not re.search(r"https?://|@import|url\(", html)
     assert len(html) < 2 << 20
-    assert sorted(p.name for p in (folder / "run/png").iterdir()) == ["path-xy.png", "path-xz.png", "path-yz.png"]
+    assert sorted(p.name for p in (folder / "run/png").iterdir()) == [
+        "path-xy-magnified.png",
+        "path-xy.png",
+        "path-xz.png",
+        "path-yz.png",
+    ]
 
 
 def test_blocks_add_up(reported: tuple[Path, dict]) -> None:
@@ -100,6 +107,56 @@ def test_blocks_add_up(reported: tuple[Path, dict]) -> None:
     )
     worst = max((r for r in rows if r["max_um"]), key=lambda r: float(r["max_um"]))
     assert int(worst["line"]) == run["deviation"]["actual"]["worst"]["line"]
+
+
+def test_findings_name_the_worst_blocks_and_their_places(reported: tuple[Path, dict]) -> None:
+    folder, run = reported
+    found = figures(folder / "run")["findings"]
+    assert len(found) == 5
+    assert [f["max_um"] for f in found] == sorted((f["max_um"] for f in found), reverse=True)
+    worst, actual = found[0], run["deviation"]["actual"]
+    assert worst["line"] == actual["worst"]["line"]
+    assert worst["text"] == BRACKET.read_text().splitlines()[worst["line"] - 1].strip()
+    assert worst["max_um"] == pytest.approx(actual["max_mm"] * 1e3, rel=1e-5)
+    for axis, place in actual["worst"]["position"].items():
+        assert worst["position"][axis] == pytest.approx(place, abs=1.0), "to a vertex of the plotted path"
+    page = Page((folder / "run/report.html").read_text(encoding="utf-8"))
+    vertex = json.loads(page.texts["data"])["path"]["lines"][worst["vertex"]]
+    assert vertex == worst["line"]
+
+
+def test_statistics_agree_with_the_samples(reported: tuple[Path, dict]) -> None:
+    folder, run = reported
+    report = figures(folder / "run")
+    deviation = [c["deviation_mm"] for c in open_recording(str(folder / "run.mcap")).columns()]
+    um = np.concatenate(deviation).astype(np.float64) * 1e3
+    actual = report["statistics"]["actual"]
+    assert actual["max_mm"] * 1e3 == pytest.approx(um.max(), rel=1e-6)
+    assert actual["mean_mm"] * 1e3 == pytest.approx(um.mean(), rel=1e-4)
+    assert actual["rms_mm"] * 1e3 == pytest.approx(np.sqrt((um**2).mean()), rel=1e-4)
+    for key, percent in {"p95_mm": 95, "p99_mm": 99, "p997_mm": 99.7}.items():
+        assert actual[key] * 1e3 == pytest.approx(np.percentile(um, percent), rel=2e-2), key
+    times = [report["statistics"][key] for key in ("feed_s", "rapid_s", "standstill_s")]
+    assert sum(times) == pytest.approx(run["machine_time_s"], rel=1e-6)
+    assert sum(report["histogram"]) == len(um) == run["samples"]
+
+
+def test_the_limit_and_where_it_comes_from(cli: Cli, tmp_path: Path) -> None:
+    ran = cli("run", BRACKET, "--tolerance", "0.005", "--record", tmp_path / "r.mcap", "--report", tmp_path / "r")
+    assert ran.code == 1
+    assert cli("report", tmp_path / "r.mcap", tmp_path / "again").code == 0
+    report = figures(tmp_path / "r")
+    assert report == figures(tmp_path / "again")
+    assert report["result"]["verdict"]["tolerance_from"] == "option"
+    deviation = [c["deviation_mm"] for c in open_recording(str(tmp_path / "r.mcap")).columns()]
+    share = 100 * np.mean(np.concatenate(deviation) > 0.005)
+    assert report["statistics"]["over_limit_pct"] == pytest.approx(share, rel=1e-6) and share > 0
+    html = (tmp_path / "r/report.html").read_text(encoding="utf-8")
+    assert "limit 5 µm (--tolerance)" in html and '<header class="fail">' in html
+    with (tmp_path / "r/blocks.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert {r["verdict"] for r in rows} == {"pass", "fail"}
+    assert all((r["verdict"] == "fail") == (float(r["max_um"]) > 5) for r in rows if r["max_um"])
 
 
 def test_the_text_of_a_job_cannot_break_the_page(cli: Cli, job: Callable[..., Path], tmp_path: Path) -> None:
@@ -135,4 +192,7 @@ def test_its_script_runs_in_a_browser_without_complaint(reported: tuple[Path, di
     page = (reported[0] / "run/report.html").as_uri()
     done = subprocess.run([CHROMIUM, *options, "--dump-dom", page], capture_output=True, text=True, timeout=120)
     assert not [line for line in done.stderr.splitlines() if "CONSOLE" in line]
-    assert done.stdout.count("<tr>") > 100, "the table of blocks was filled"
+    assert done.stdout.count("<tr") > 100, "the table of blocks was filled"
+    shown = Page(done.stdout).texts
+    assert float(shown["fig-actual"]) == pytest.approx(reported[1]["deviation"]["actual"]["max_mm"] * 1e3, abs=0.05)
+    assert done.stdout.count('<canvas class="axis"') == 3, "one chart of the following error an axis"

@@ -12,8 +12,9 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use crate::writer::Attached;
 use crate::{COLUMNS, Columns, EVENTS, Error, PROFILE};
 
-/// Records longer than this are damage, not data.
-const RECORD_LIMIT: usize = 1 << 30;
+/// No record or unpacked chunk of ours is longer than this or than the whole file: anything else is damage.
+const CHUNK_LIMIT: u64 = 16 << 20;
+const RECORD_LIMIT: u64 = 1 << 30;
 
 /// One thing found in a recording, in the order of the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +32,8 @@ pub struct Reader {
     linear: LinearReader,
     topics: HashMap<u16, String>,
     known: bool,
+    next_sample: u64,
+    axes: Option<usize>,
     /// Why reading ended before the end of the file, if it did.
     pub damage: Option<String>,
 }
@@ -41,13 +44,17 @@ impl Reader {
     /// # Errors
     /// If the file cannot be opened. A file that is no recording is found at the first [`Reader::next_item`].
     pub fn open(path: &Path) -> Result<Reader, Error> {
-        let options =
-            LinearReaderOptions::default().with_validate_chunk_crcs(true).with_record_length_limit(RECORD_LIMIT);
+        let file = File::open(path)?;
+        let limit = file.metadata()?.len().clamp(CHUNK_LIMIT, RECORD_LIMIT) as usize;
+        // checked before a chunk is unpacked: no damaged sample ever comes out
+        let options = LinearReaderOptions::default().with_prevalidate_chunk_crcs(true).with_record_length_limit(limit);
         Ok(Reader {
-            file: File::open(path)?,
+            file,
             linear: LinearReader::new_with_options(options),
             topics: HashMap::new(),
             known: false,
+            next_sample: 0,
+            axes: None,
             damage: None,
         })
     }
@@ -57,6 +64,9 @@ impl Reader {
     /// # Errors
     /// If the file is no recording of ours.
     pub fn next_item(&mut self) -> Result<Option<Item>, Error> {
+        if self.damage.is_some() {
+            return Ok(None);
+        }
         loop {
             let found = match self.linear.next_event() {
                 None => return self.ended(None),
@@ -73,6 +83,9 @@ impl Reader {
             };
             match found {
                 Ok(None) => {}
+                Ok(Some(Item::Columns(columns))) if !self.follow_on(&columns) => {
+                    return self.ended(Some("samples are missing here".to_owned()));
+                }
                 Ok(item) => return self.checked(item),
                 Err(error) => return self.ended(Some(error.to_string())),
             }
@@ -100,6 +113,13 @@ impl Reader {
         Ok(None)
     }
 
+    /// True if these columns continue those before; then they count as read.
+    fn follow_on(&mut self, columns: &Columns) -> bool {
+        let continues =
+            columns.first_sample == self.next_sample && *self.axes.get_or_insert(columns.axes) == columns.axes;
+        self.next_sample = columns.first_sample.saturating_add(columns.flags.len() as u64);
+        continues
+    }
     fn checked(&self, item: Option<Item>) -> Result<Option<Item>, Error> {
         if self.known { Ok(item) } else { Err(Self::foreign()) }
     }

@@ -96,12 +96,18 @@ impl Writer {
             let buffer = std::mem::take(&mut self.buffer);
             self.message(0, channel, time, &buffer)?;
             self.buffer = buffer;
+            self.write_states(&part)?;
         }
-        for k in state::chosen(view) {
-            self.text.clear();
+        Ok(())
+    }
+
+    /// The thinned channel goes between the columns, so that the file stays in the order of time.
+    fn write_states(&mut self, part: &ColumnsView) -> Result<(), Error> {
+        for k in state::chosen(part) {
             let mut text = std::mem::take(&mut self.text);
-            state::message(view, k, &self.axes, self.sample_time_s, &mut text);
-            let (channel, time) = (self.state, self.time_ns(view.first_sample + k as u64 + 1));
+            text.clear();
+            state::message(part, k, &self.axes, self.sample_time_s, &mut text);
+            let (channel, time) = (self.state, self.time_ns(part.first_sample + k as u64 + 1));
             self.message(1, channel, time, text.as_bytes())?;
             self.text = text;
         }

@@ -98,6 +98,66 @@ fn a_file_cut_off_yields_its_first_part() {
 }
 
 #[test]
+fn a_damaged_chunk_gives_no_sample_of_its_own() {
+    let path = scratch("bit");
+    write(&path);
+    let whole = std::fs::read(&path).expect("readable");
+    let good = samples(0, 2500);
+    let mut stopped = 0;
+    for at in (0..whole.len()).step_by(97) {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 0x10;
+        std::fs::write(&path, &bytes).expect("written");
+        let mut reader = Reader::open(&path).expect("opened");
+        while let Ok(Some(item)) = reader.next_item() {
+            let Item::Columns(columns) = item else { continue };
+            let first = columns.first_sample as usize;
+            if first < 2500 {
+                assert_eq!(columns.load, good.load[2 * first..2 * (first + columns.flags.len())], "byte {at}");
+            }
+        }
+        stopped += usize::from(reader.damage.is_some());
+    }
+    assert!(stopped > 10, "{stopped} of the places");
+}
+
+#[test]
+fn a_gap_in_the_samples_is_damage() {
+    let path = scratch("gap");
+    let mut writer = Writer::create(&path, &header()).expect("created");
+    writer.write_samples(&samples(0, 100).view()).expect("samples");
+    writer.write_samples(&samples(101, 100).view()).expect("samples");
+    writer.finish("{}").expect("finished");
+    let (items, damage) = read(&path);
+    assert_eq!(all_columns(&items).len(), 1);
+    assert_eq!(damage.as_deref(), Some("samples are missing here"));
+}
+
+#[test]
+fn states_lie_between_the_columns_they_belong_to() {
+    let path = scratch("order");
+    write(&path);
+    let bytes = std::fs::read(&path).expect("readable");
+    let times: Vec<u64> = mcap::MessageStream::new(&bytes)
+        .expect("ours")
+        .map(|message| message.expect("sound"))
+        .filter(|message| message.channel.topic == recording::STATE)
+        .map(|message| message.log_time)
+        .collect();
+    assert!(times.len() > 2500 / 16 && times.is_sorted());
+}
+
+#[test]
+fn a_file_that_cannot_be_written_is_an_error() {
+    assert!(Writer::create(&scratch("no-such-folder").join("x.mcap"), &header()).is_err());
+    let Ok(mut writer) = Writer::create(std::path::Path::new("/dev/full"), &header()) else { return };
+    let all = samples(0, 50_000);
+    let failed =
+        (0..40).any(|k| writer.write_samples(&Columns { first_sample: k * 50_000, ..all.clone() }.view()).is_err());
+    assert!(failed || writer.finish("{}").is_err());
+}
+
+#[test]
 fn a_foreign_file_is_refused() {
     let path = scratch("foreign");
     for bytes in [&b""[..], b"G0 X1\n", b"\x89MCAP0\r\n"] {
