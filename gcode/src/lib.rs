@@ -26,6 +26,7 @@ pub mod modal;
 mod motion;
 pub mod number;
 mod offsets;
+mod outputs;
 pub mod parser;
 pub mod program;
 mod seen;

@@ -8,6 +8,7 @@ use crate::block::{AXIS_LETTERS, Block, GWord, Item, Statement, bit, mask};
 use crate::codes::{Group, number};
 use crate::diagnostics::{Check, Fault, Id, Span};
 use crate::dialect::Dialect;
+use crate::outputs::Outputs;
 use crate::translate::{Call, Flow, Translator};
 use crate::variables::Variable;
 
@@ -48,37 +49,12 @@ const MACRO_ARGUMENTS: [(u8, usize); 20] = [
     (b'Z', 26),
 ];
 
-/// Outputs to be set and reset by one block: one entry each, reset first.
-#[derive(Clone, Copy, Debug, Default)]
-struct Outputs {
-    set: u32,
-    reset: u32,
-}
-
-impl Outputs {
-    fn put(&mut self, set: u32, reset: u32) {
-        self.set = self.set & !reset | set;
-        self.reset = self.reset & !set | reset;
-    }
-    /// One direction of the spindle instead of the other; a line that both have does not drop in between.
-    fn turn(&mut self, on: u32, off: u32) {
-        self.put(on, off & !on);
-    }
-}
-
 impl Translator<'_> {
-    fn first(&self) -> AxisSet {
+    pub(crate) fn first(&self) -> AxisSet {
         AxisSet::single(self.sink.first_axis())
     }
-    fn put_out(&mut self, outputs: Outputs) {
-        for (mask, command) in [(outputs.reset, spool::RESET_OUTPUTS), (outputs.set, spool::SET_OUTPUTS)] {
-            if mask != 0 {
-                self.sink.ssf(self.line, self.first(), command, f64::from(mask), false);
-            }
-        }
-    }
     /// A wait function for all group axes.
-    fn wait(&mut self, command: u16, value: f64) {
+    pub(crate) fn wait(&mut self, command: u16, value: f64) {
         self.sink.ssf(self.line, self.sink.set(), command, value, true);
         self.sink.instr(self.line, Instr::Ssms(self.sink.set()));
     }
@@ -202,24 +178,6 @@ impl Translator<'_> {
             outputs.put(lines.coolant1, 0);
         }
         Ok(())
-    }
-    fn is_user_function(&self, m: u16) -> bool {
-        self.machine.gcode.m_functions.iter().any(|f| f.number == u32::from(m))
-    }
-    /// An M function of the machine file: its outputs with those of the block; a common integer and a wait for
-    /// inputs come after them.
-    fn user_function(&mut self, m: u16, outputs: &mut Outputs) {
-        let machine = self.machine;
-        for function in machine.gcode.m_functions.iter().filter(|f| f.number == u32::from(m)) {
-            outputs.put(function.set, function.reset);
-            if let Some((ci, value)) = function.ci {
-                self.sink.ssf(self.line, self.first(), ci as u16, f64::from(value), false);
-            }
-            if function.wait != 0 {
-                self.put_out(std::mem::take(outputs));
-                self.wait(spool::WAIT_INPUTS, f64::from(function.wait));
-            }
-        }
     }
     /// Number of an output or input, P0..P31.
     fn line_number(&mut self, block: &Block, span: Span) -> Check<u32> {
@@ -497,21 +455,4 @@ pub(crate) fn dwell_seconds(dialect: &Dialect, letter: u8, value: f64, integer_f
         return value * dialect.dwell_p;
     }
     if integer_form && dialect.integer_increment > 0.0 { value * dialect.integer_increment } else { value }
-}
-
-impl Translator<'_> {
-    /// G86: the spindle stands on the way out.
-    pub(crate) fn spindle_stop(&mut self) {
-        let lines = self.machine.gcode.outputs;
-        self.put_out(Outputs { set: 0, reset: lines.spindle_cw | lines.spindle_ccw });
-    }
-    pub(crate) fn spindle_again(&mut self) {
-        let (lines, mut outputs) = (self.machine.gcode.outputs, Outputs::default());
-        match self.state.modal.spindle {
-            3 => outputs.turn(lines.spindle_cw, lines.spindle_ccw),
-            4 => outputs.turn(lines.spindle_ccw, lines.spindle_cw),
-            _ => {}
-        }
-        self.put_out(outputs);
-    }
 }
