@@ -16,6 +16,7 @@ TRACKED_BYTES = 200_000
 # "file" or "file::function": (lines allowed, why it is not split)
 EXCEPTIONS: dict[str, tuple[int, str]] = {
     "gcode/src/flow.rs": (562, "jumps, loops and calls share one cursor over the program"),
+    "gcode/src/mfunc.rs": (520, "the M, S and T functions, one after the other as in section 16 of the dialect"),
     "gcode/src/parser.rs": (529, "one pass over the tokens of a block, all of its errors beside it"),
 }
 
@@ -58,7 +59,7 @@ def too_long() -> dict[str, int]:
         name, text = file.relative_to(ROOT).as_posix(), file.read_text("utf-8")
         functions = python_functions(text) if file.suffix == ".py" else rust_functions(text)
         lines = text.count("\n")
-        if lines > FILE_LINES:
+        if lines > FILE_LINES and "tests" not in file.parts:  # a file of tests is a list of cases
             found[name] = lines
         for function, length in functions:
             if length > FUNCTION_LINES:
