@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import signal
 import sys
@@ -110,6 +111,7 @@ def build_parser() -> Parser:
 
 def run_command_line(arguments: Sequence[str]) -> int:
     """Runs one command. Whatever happens becomes text on stderr and an exit code here, and only here."""
+    _prepare_streams()
     if hasattr(signal, "SIGPIPE"):
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `cnc-front ... | head` ends quietly
     try:
@@ -135,6 +137,16 @@ def run_command_line(arguments: Sequence[str]) -> int:
         if os.environ.get("CNC_FRONT_DEBUG"):
             traceback.print_exc()
         return Exit.STOPPED
+
+
+def _prepare_streams() -> None:
+    """A closed stream is as good as /dev/null; what its encoding lacks is escaped, not refused."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115, PTH123  open to the end
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 def _command(name: str) -> Callable[[argparse.Namespace], int]:

@@ -11,7 +11,7 @@ import numpy as np
 from cnc_front import VERSION
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import toolpaths as native_paths
-from cnc_front.jobs import CompiledJob, JobSource
+from cnc_front.jobs import CompiledJob, JobSource, shown
 from cnc_front.recording import RESULT, Recorded, RecordingSink, content_of, open_recording
 from cnc_front.run import RunOptions, RunResult, dry_run
 from cnc_front.verdict import EMPTY, SCHEMA, Verdict, judge, measured_keys, partial_object, run_object
@@ -38,7 +38,7 @@ def run_and_write(
     plotting = _Plotting(tolerance) if report else None
     result = dry_run(job, options, sink, plotting)
     verdict = judge(result, tolerance)
-    files = {"recording": str(record) if record else None, "report": str(report) if report else None}
+    files = {"recording": shown(record) if record else None, "report": shown(report) if report else None}
     run = run_object(result, verdict, files)
     run["verdict"]["tolerance_from"] = _tolerance_from(tolerance_mm)
     if sink is not None:
@@ -178,8 +178,8 @@ def _tolerance_from(tolerance_mm: float | None) -> str:
 def _metadata(job: CompiledJob, options: RunOptions, tolerance_mm: float, tolerance_from: str) -> dict[str, str]:
     """The arguments of a run that a report needs."""
     return {
-        "job_path": job.source.path,
-        "machine_path": job.machine.path,
+        "job_path": shown(job.source.path),
+        "machine_path": shown(job.machine.path),
         "tolerance_mm": repr(tolerance_mm),
         "tolerance_from": tolerance_from,
         "schedule": json.dumps([list(point) for point in options.schedule]),

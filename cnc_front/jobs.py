@@ -20,6 +20,11 @@ JOB_BYTES = 256 << 20
 MACHINE_BYTES = 1 << 20
 
 
+def shown(path: str | os.PathLike[str]) -> str:
+    """A path as text for people and files: bytes of a name that are no UTF-8 become U+FFFD."""
+    return os.fsencode(path).decode("utf-8", "replace")
+
+
 @dataclass(frozen=True, slots=True)
 class MachineFile:
     """A validated machine and where it came from."""
@@ -91,13 +96,15 @@ def read_bytes(path: str, limit: int, id: str) -> bytes:
     with os.fdopen(handle, "rb") as file:
         data = file.read(limit + 1)
     if len(data) > limit:
-        raise CompileError([Diagnostic(path, 1, 1, 1, "GC106", f"file larger than {limit >> 20} MiB", "split the job")])
+        raise CompileError(
+            [Diagnostic(shown(path), 1, 1, 1, "GC106", f"file larger than {limit >> 20} MiB", "split the job")]
+        )
     return data
 
 
 def _cannot_read(path: str, id: str, reason: str) -> CompileError:
     message = f"file cannot be read: {reason}"
-    return CompileError([Diagnostic(path, 1, 1, 1, id, message, "check the path and its permissions")])
+    return CompileError([Diagnostic(shown(path), 1, 1, 1, id, message, "check the path and its permissions")])
 
 
 def language_of(path: str, data: bytes, asked: str | None) -> str:
@@ -123,7 +130,7 @@ def load_machine(path: str | None, job: str | None = None) -> MachineFile:
         return MachineFile("", text, hashlib.sha256(text.encode()).hexdigest(), native_kernel.Machine.builtin())
     data = read_bytes(path, MACHINE_BYTES, "MC100")
     try:
-        machine = native_kernel.Machine.parse(data, path)
+        machine = native_kernel.Machine.parse(data, shown(path))
     except native_kernel.MachineError as error:
         raise CompileError([Diagnostic(*row) for row in error.args[0]]) from None
     return MachineFile(path, data.decode("utf-8"), hashlib.sha256(data).hexdigest(), machine)
@@ -137,7 +144,7 @@ def diagnose(
         raise CompileError([_not_yet(source)])
     program, rows, facts = native_gcode.compile(
         source.data,
-        source.path,
+        shown(source.path),
         machine.machine,
         profile=options.profile,
         optional_stop=options.optional_stop,
@@ -159,4 +166,4 @@ def compile_job(source: JobSource, machine: MachineFile, options: CompileOptions
 def _not_yet(source: JobSource) -> Diagnostic:
     message = f"{source.language} jobs cannot be run by this version"
     hint = "rw_SymPas comes with a later version; DIN 66025 jobs run now"
-    return Diagnostic(source.path, 1, 1, 1, "CF201", message, hint)
+    return Diagnostic(shown(source.path), 1, 1, 1, "CF201", message, hint)

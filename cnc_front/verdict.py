@@ -8,7 +8,7 @@ from typing import Any
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import Exit
 from cnc_front.execution import End
-from cnc_front.jobs import JobSource, MachineFile
+from cnc_front.jobs import JobSource, MachineFile, shown
 from cnc_front.run import RunResult
 
 #: How far the set point may leave the path beyond what merging allows, mm (design 3.1).
@@ -95,6 +95,7 @@ SCHEMA = "cnc-front/run/1"
 
 def job_object(source: JobSource | None, path: str) -> dict[str, Any]:
     """`job` of design 3.2; what is unknown is null."""
+    path = shown(path)
     if source is None:
         return {"path": path, "language": None, "sha256": None, "lines": None}
     return {"path": path, "language": source.language, "sha256": source.sha256, "lines": source.lines}
@@ -103,8 +104,8 @@ def job_object(source: JobSource | None, path: str) -> dict[str, Any]:
 def machine_object(machine: MachineFile | None, path: str | None) -> dict[str, Any]:
     """`machine` of design 3.2."""
     if machine is None:
-        return {"path": path, "name": None, "sha256": None}
-    return {"path": machine.path or None, "name": machine.machine.name, "sha256": machine.sha256}
+        return {"path": shown(path) if path else None, "name": None, "sha256": None}
+    return {"path": shown(machine.path) or None, "name": machine.machine.name, "sha256": machine.sha256}
 
 
 def failed_object(

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import socket
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -98,6 +101,34 @@ def test_what_is_no_regular_file(cli: Cli, tmp_path: Path, command: str) -> None
             ran = cli(*before, *([tmp_path / "out"] if command == "report" else []), timeout=20)
             assert ran.code == 2, (path, ran)
             assert str(path) in ran.err
+
+
+def test_names_that_are_no_utf8(tmp_path: Path) -> None:
+    folder = os.fsencode(tmp_path) + b"/\xff"
+    Path(os.fsdecode(folder)).mkdir()
+    machine = folder + b"/m\xfe.toml"
+    Path(os.fsdecode(machine)).write_bytes(MACHINE.read_bytes())
+    for text, code in ((b"G90 G21\nG1 X5 F1000\nM30\n", 0), (b"G1 X5\n", 2)):
+        Path(os.fsdecode(folder + b"/a\xff.nc")).write_bytes(text)
+        outputs = [b"--record", folder + b"/r\xff.mcap", b"--report", folder + b"/out\xff"]
+        for json_too in ([b"--json"], []):
+            command = [sys.executable, "-m", "cnc_front", "run", folder + b"/a\xff.nc", b"--machine", machine]
+            done = subprocess.run([*command, *outputs, *json_too], capture_output=True, cwd=ROOT, check=False)
+            assert done.returncode == code, done.stderr
+            if json_too:
+                assert json.loads(done.stdout)["job"]["path"].endswith("/a\ufffd.nc")
+
+
+def test_output_that_cannot_be_written(job: Callable[..., Path]) -> None:
+    command = [sys.executable, "-m", "cnc_front", "run", str(job("G90 G21\nG1 X5 F1000\nM30\n")), "-q"]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 3
+    assert done.stderr.count("\n") == 1
+    closed = subprocess.run(
+        ["sh", "-c", 'exec "$@" >&-', "sh", *command], stderr=subprocess.PIPE, text=True, cwd=ROOT, check=False
+    )
+    assert (closed.returncode, closed.stderr) == (0, "")
 
 
 def test_sympas_jobs_are_refused_clearly(cli: Cli, job: Callable[..., Path]) -> None:
