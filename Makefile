@@ -45,7 +45,7 @@ test: $(NATIVE) .venv/.dev
 	@mkdir -p out/test
 	@failed=; \
 	$(PY) -m tests.conformance.cargo out/test/rust.json || failed="$$failed cargo-test"; \
-	$(PY) -m pytest -n auto --results out/test/python.json || failed="$$failed pytest"; \
+	$(PY) -m pytest -n auto --results=out/test/python.json || failed="$$failed pytest"; \
 	if [ -n "$$failed" ]; then echo "make test: failed:$$failed" >&2; exit 1; else echo 'make test: all passed'; fi
 
 lint: .venv/.dev
@@ -69,7 +69,7 @@ out/test/rust.json: $(RUST) | .venv/.dev
 
 out/test/python.json: $(OURS) $(NATIVE) | .venv/.dev
 	@mkdir -p out/test
-	-@$(PY) -m pytest -n auto --results $@
+	-@$(PY) -m pytest -n auto --results=$@
 
 bench: $(NATIVE)
 	@$(PY) -m benches

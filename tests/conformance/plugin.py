@@ -1,4 +1,6 @@
-"""pytest plugin: `--results FILE` writes each test's outcome with the row ids of its `shows` marks.
+"""pytest plugin: `--results=FILE` writes each test's outcome with the row ids of its `shows` marks.
+
+With the equals sign: pytest takes a separate FILE that exists for a folder of tests before it knows the option.
 
 The ids travel as user properties of the report, which pytest-xdist carries from its workers to the controller.
 """

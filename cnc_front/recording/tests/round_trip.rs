@@ -1,6 +1,6 @@
 //! What is written is read back; what is left of a damaged file is given; foreign files are refused.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 use recording::{Attached, Columns, Header, Item, Reader, Writer};
@@ -33,7 +33,7 @@ fn samples(first_sample: u64, n: usize) -> Columns {
     }
 }
 
-fn write(path: &PathBuf) {
+fn write(path: &Path) {
     let mut writer = Writer::create(path, &header()).expect("created");
     writer.write_samples(&samples(0, 2500).view()).expect("samples");
     writer.write_event(0.5, r#"{"kind":"axst"}"#).expect("event");
@@ -41,7 +41,7 @@ fn write(path: &PathBuf) {
     writer.finish(r#"{"schema":"cnc-front/run/1"}"#).expect("finished");
 }
 
-fn read(path: &PathBuf) -> (Vec<Item>, Option<String>) {
+fn read(path: &Path) -> (Vec<Item>, Option<String>) {
     let mut reader = Reader::open(path).expect("opened");
     let mut items = Vec::new();
     while let Some(item) = reader.next_item().expect("ours") {
