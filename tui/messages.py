@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Iterator
 from datetime import datetime
 
-from cnc_front.engine import State
+from cnc_front.engine import Snapshot, State
 from tui.panels import Logged
 from tui.program import block_name
 from tui.states import FACES, RESUMABLE
@@ -42,7 +42,7 @@ class Messages:
         s, clock = shown.snapshot, now.strftime(self._format)
         if s.state is not self._state:
             face = FACES[s.state]
-            words = [self._words.pick(face.english, face.german), s.why if s.state is not State.RUNNING else ""]
+            words = [self._words.pick(face.english, face.german), self._why(s)]
             place = block_name(shown.job.lines, s.line) if shown.job and s.line else ""
             self.log.append(Logged(clock, "", " ".join(word for word in (*words, place) if word)))
             self._state, self._state_at, self.index = s.state, time.monotonic(), 0
@@ -53,6 +53,12 @@ class Messages:
             if key not in self._known:
                 self._known.add(key)
                 self.log.append(Logged(clock, alarm.code, f"{alarm.axis} {alarm.text}".strip()))
+
+    def _why(self, s: Snapshot) -> str:
+        """Why it stands, where the state's own word does not say it."""
+        if s.state in (State.STOPPED, State.ALARM):
+            return s.why
+        return (self._words("dwell") if s.why == "dwell" else s.why) if s.state is State.WAITING else ""
 
     def next(self) -> None:
         """The next message."""
@@ -99,5 +105,5 @@ class Messages:
             known = {"M00", "M01", "M06"}
             return words(f"stopped_{s.why}", tool=s.tool) if s.why in known else words("stopped", why=s.why)
         if s.state is State.WAITING:
-            return words("waiting", why=s.why)
+            return words("waiting", why=self._why(s))
         return {State.HOLD: words("hold_text"), State.STEP: words("step_text")}.get(s.state, "")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from textwrap import wrap
 
 from textual.geometry import Region
 from textual.strip import Strip
@@ -50,8 +51,9 @@ class Parts:
     def lines(self, width: int, height: int) -> list[Strip]:
         """The part program; without one, how to get one."""
         if self.shown.job is None:
-            text = Row(self.shown.look.text).add(f" {self.shown.words('no_job')}").strip(width)
-            return [text, *(Row(self.shown.look.text).strip(width) for _ in range(height - 1))]
+            style = self.shown.look.text
+            texts = wrap(self.shown.words("no_job"), width - 2)
+            return [Row(style).add(f" {text}").strip(width) for text in [*texts, *[""] * (height - len(texts))]]
         return self.program.rows(width, height, self.shown.snapshot.line, self.picture.over)
 
     def rule(self, width: int) -> Strip:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from textwrap import wrap
 
 from rich.style import Style
 from textual.strip import Strip
@@ -98,7 +99,7 @@ def service_rows(shown: Shown, changes: Changes, now: float, width: int) -> list
         values = (
             (16, f"{axis.command:+.4f}"),
             (28, f"{axis.actual:+.4f}"),
-            (37, f"{axis.following:+.4f}"),
+            (37, f"{round(axis.following, 4) + 0.0:+.4f}"),
             (46, f"{axis.mpe:g}"),
             (54, f"{axis.spool_fill * 100:.0f} %"),
         )
@@ -108,8 +109,8 @@ def service_rows(shown: Shown, changes: Changes, now: float, width: int) -> list
         bits = " ".join(axis.bits)
         fresh = changes.is_fresh(axis.name, bits, now)
         rows.append(row.at(55, "*" if fresh else " ", look.warn).add(" " + bits, look.warn if fresh else shown.value))
-        home = words("referenced") if axis.referenced else words("not_referenced")
-        rows.append(Row(look.text if axis.referenced else look.warn).at(57, home))
+        if not axis.referenced:
+            rows.append(Row(look.warn).at(57, words("not_referenced")))
     return [row.strip(width) for row in rows]
 
 
@@ -155,7 +156,7 @@ def jobs_rows(shown: Shown, files: Sequence[str], cursor: int, check: Check, wid
     if check.job is not None:
         rows += _passed(shown, check.job)
     elif check.findings:
-        rows += _refused(look, words, check)
+        rows += _refused(look, words, check, width)
     return [row.strip(width) for row in rows]
 
 
@@ -163,7 +164,7 @@ def _passed(shown: Shown, job: Job) -> Iterable[Row]:
     look, words, s = shown.look, shown.words, shown.snapshot
     yield Row(look.strong).add(f" {words('check', name=job.name)}: {words('check_clean', n=len(job.warnings))}")
     time = minutes(s.time_total_s)
-    yield Row(look.text).add(f"  {words('check_time', time=time, path=s.path_total_mm)}   {len(job.lines)} L")
+    yield Row(look.text).add(f"  {words('check_time', time=time, path=s.path_total_mm, lines=len(job.lines))}")
     yield Row(look.dim).add(f"  {words('check_extents')}")
     for name, (low, high) in job.extents.items():
         yield Row(look.text).add(f"  {name}").until(18, f"{low:+.3f}").until(32, f"{high:+.3f}")
@@ -171,22 +172,20 @@ def _passed(shown: Shown, job: Job) -> Iterable[Row]:
         yield Row(look.warn).add(f"  {warning}")
 
 
-def _refused(look: Look, words: Words, check: Check) -> Iterable[Row]:
+def _refused(look: Look, words: Words, check: Check, width: int) -> Iterable[Row]:
     errors = [finding for finding in check.findings if not finding.is_warning]
     yield Row(look.bad).add(f" {words('check', name=check.name)}: {words('check_bad', n=len(errors))}")
     source = _source_lines(check.findings)
     for finding in check.findings:
-        yield (
-            Row(look.text)
-            .add(f"  {finding.line}:{finding.column}: ")
-            .add(f"{finding.id} ", look.bad)
-            .add(finding.message)
-        )
+        place = f"{finding.line}:{finding.column}: {finding.id} "
+        texts = wrap(place + finding.message, width - 6) or [place]
+        yield Row(look.text).add(f"  {texts[0]}", look.bad)
+        yield from (Row(look.text).add(f"      {text}") for text in texts[1:])
         if finding.line in source:
             yield Row(look.dim).add(f"      {source[finding.line]}")
             yield Row(look.bad).add(" " * (5 + finding.column)).add("^")
-        if finding.hint:
-            yield Row(look.dim).add(f"      {words('hint')} {finding.hint}")
+        for text in wrap(f"{words('hint')} {finding.hint}", width - 10) if finding.hint else ():
+            yield Row(look.dim).add(f"      {text}")
 
 
 def _source_lines(findings: Sequence[Diagnostic]) -> Mapping[int, str]:

@@ -87,7 +87,11 @@ TEXTS: dict[str, tuple[str, str]] = {
     "check_extents": ("axis    from          to", "Achse   von           bis"),
     "check_clean": ("no errors, {n} warnings", "keine Fehler, {n} Warnungen"),
     "check_bad": ("not loaded: {n} errors", "nicht geladen: {n} Fehler"),
-    "check_time": ("machine time {time}   path {path:.1f} mm", "Maschinenzeit {time}   Bahn {path:.1f} mm"),
+    "check_time": (
+        "machine time {time}   path {path:.1f} mm   {lines} lines",
+        "Maschinenzeit {time}   Bahn {path:.1f} mm   {lines} Zeilen",
+    ),
+    "dwell": ("dwell", "Verweilzeit"),
     "hint": ("hint:", "Hinweis:"),
     "alarms_title": ("ALARMS  active", "STÖRUNGEN  aktiv"),
     "alarms_none": ("none", "keine"),
@@ -101,7 +105,6 @@ TEXTS: dict[str, tuple[str, str]] = {
         "axis   command      actual   follow      mpe   spool  status bits",
         "Achse     Soll         Ist  Schlepp      mpe   Spool  Statusbits",
     ),
-    "referenced": ("referenced", "referenziert"),
     "not_referenced": ("NOT HOMED", "nicht referenziert"),
     "help_title": ("HELP  keys", "HILFE  Tasten"),
     "help_stop": (

@@ -1,0 +1,1 @@
+"""What the terminal shows and which keys do what, on an engine that a test can script."""
