@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
+from pathlib import Path
 from typing import ClassVar
 
 from textual import events
@@ -40,6 +41,8 @@ STALE_S = 1.0
 SMALLEST = (80, 24)
 #: Rows of header, message line and key line.
 FRAME = 3
+#: When to look for the effect of a hold, s after the key.
+ECHO_S = (0.015, 0.04)
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,7 +242,7 @@ class Terminal(App[None]):
         errors = [finding for finding in findings if not finding.is_warning] or list(findings)
         if errors:
             first = errors[0]
-            place = f"{first.file}:{first.line}:{first.column}:"
+            place = f"{Path(first.file).name}:{first.line}:{first.column}:"
             more = f" {self.words('more_errors', n=len(errors) - 1)}" if len(errors) > 1 else ""
             self.say(self.words("load_failed", id=first.id, place=place, text=f"{first.message}{more}"))
         self.tick()
@@ -263,14 +266,17 @@ class Terminal(App[None]):
         return True
 
     def action_hold(self) -> None:
-        """Feed hold."""
+        """Feed hold; its effect shows at once, not with the next regular frame."""
         self.operation.hold()
+        if self._paced:
+            for seconds in ECHO_S:
+                self.set_timer(seconds, self.tick)
 
     def action_escape(self) -> None:
         """Feed hold, and out of where one is."""
-        self.operation.hold()
+        self.action_hold()
         if isinstance(self.screen, Question):
-            self.screen.dismiss(None)
+            self.screen.answer(None)
         elif self.page != "run":
             self.action_show("run")
 

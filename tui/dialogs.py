@@ -30,6 +30,7 @@ class Question(ModalScreen[str | None]):
         super().__init__()
         self._title, self._keys, self._field = title, keys, field
         self._settle_s, self._opened = settle_s, time.monotonic()
+        self._is_answered = False
 
     def compose(self) -> ComposeResult:
         """Title, field, keys."""
@@ -39,14 +40,20 @@ class Question(ModalScreen[str | None]):
                 yield Input(select_on_focus=False, compact=True)
             yield Static(self._keys, markup=False)
 
+    def answer(self, text: str | None) -> None:
+        """Closes the question, once: keys may arrive faster than it goes away. None: left without an answer."""
+        if not self._is_answered:
+            self._is_answered = True
+            self.dismiss(text)
+
     def on_key(self, event: events.Key) -> None:
         """A key that was meant for the screen before must not answer the question."""
         if event.key == "enter" and not self._field:
             event.stop()
             if time.monotonic() - self._opened >= self._settle_s:
-                self.dismiss("")
+                self.answer("")
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """The answer."""
         event.stop()
-        self.dismiss(event.value)
+        self.answer(event.value)

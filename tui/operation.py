@@ -26,6 +26,7 @@ class Operation:
 
     def __init__(self, engine: Engine, words: Words, say: Say) -> None:
         self._engine, self._words, self._say = engine, words, say
+        self.late_s = LATE_S
         self._armed_at = -ARMED_S
         self._override = (-1.0, 1.0)  # when, and what was asked for
         self._speed = (-1.0, 1.0)
@@ -71,9 +72,9 @@ class Operation:
             self._refuse(state)
 
     def _is_late(self, waited_s: float) -> bool:
-        if waited_s > LATE_S:
+        if waited_s > self.late_s:
             self._say(self._words("dropped"))
-        return waited_s > LATE_S
+        return waited_s > self.late_s
 
     def _refuse(self, state: State) -> None:
         reason = {State.NO_JOB: "no_job", State.HOLDING: "brakes", State.ALARM: "no_start_alarm"}

@@ -10,6 +10,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from textual import events
 from textual.pilot import Pilot
 
 from tests.tui.fake import FakeEngine
@@ -32,6 +33,13 @@ class Stage:
     async def press(self, *keys: str) -> None:
         """Presses keys and lets everything that follows from them happen."""
         await self.pilot.press(*keys)
+        await self.pilot.pause()
+        self.app.tick()
+
+    async def rush(self, keys: list[str]) -> None:
+        """Many keys at once, without waiting for each to be drawn."""
+        for key in keys:
+            self.app.post_message(events.Key(key, key if len(key) == 1 else None))
         await self.pilot.pause()
         self.app.tick()
 
@@ -84,6 +92,7 @@ def play(script: Script, engine: FakeEngine | None = None, size: tuple[int, int]
             paced=False,
             settle_s=0.0,
         )
+        app.operation.late_s = 60.0  # the machine of the tests may be slow
         async with app.run_test(size=size) as pilot:
             await script(Stage(app, acting, pilot))
 
