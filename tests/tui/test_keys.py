@@ -368,9 +368,9 @@ def test_a_monkey_crashes_nothing_and_starts_nothing_without_its_key(seed: int, 
 
     async def script(stage: Stage) -> None:
         await stage.load()
-        for _ in range(100):
+        for _ in range(40):
             stage.engine.calls.clear()
-            keys = [chance.choice(MONKEY) for _ in range(20)]
+            keys = [chance.choice(MONKEY) for _ in range(50)]
             if len(stage.app.screen_stack) > 1 or "ctrl+q" in keys:
                 keys = [key for key in keys if key != "enter"]  # Enter would quit
             await stage.rush(keys)

@@ -20,6 +20,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 CHILD = [sys.executable, "-m", "tests.tui.pty_child"]
+# pytest-xdist sets COLUMNS, which would hide the size of the window
+UNWANTED = {"NO_COLOR", "TEXTUAL", "COLORTERM", "COLUMNS", "LINES"}
 REAL = [sys.executable, "-m", "cnc_front", "tui", "--lang", "en"]
 
 
@@ -28,6 +30,11 @@ class Window:
 
     def __init__(self, pid: int, fd: int) -> None:
         self.pid, self.fd, self.seen = pid, fd, b""
+
+    @property
+    def tail(self) -> bytes:
+        """The last of what was written, without control sequences."""
+        return re.sub(rb"\x1b.[0-9;?]*[a-zA-Z]", b"~", self.seen)[-700:]
 
     def read(self, seconds: float) -> bytes:
         """What was written meanwhile; queries of the terminal stay unanswered, as on a plain one."""
@@ -43,7 +50,7 @@ class Window:
         began = time.monotonic()
         while not true():
             passed = time.monotonic() - began
-            assert passed < seconds, f"{what}: not within {seconds} s; last: {re.sub(rb"\x1b.[0-9;?]*[a-zA-Z]", b"~", self.seen)[-700:]!r}"
+            assert passed < seconds, f"{what}: not within {seconds} s; last: {self.tail!r}"
             self.read(0.01)
         return time.monotonic() - began
 
@@ -63,7 +70,7 @@ class Window:
             with suppress(AssertionError):
                 self.shows(shows, 3.0)
                 return
-        raise AssertionError(f"{key!r} never led to {shows}; last: {re.sub(rb"\x1b.[0-9;?]*[a-zA-Z]", b"~", self.seen)[-700:]!r}")
+        raise AssertionError(f"{key!r} never led to {shows}; last: {self.tail!r}")
 
     def resize(self, columns: int, rows: int) -> None:
         """Another size."""
@@ -84,7 +91,7 @@ def window(command: list[str], size: tuple[int, int] = (80, 24), **environment: 
     if pid == 0:
         os.chdir(ROOT)
         fcntl.ioctl(0, termios.TIOCSWINSZ, struct.pack("HHHH", size[1], size[0], 0, 0))
-        clean = {key: value for key, value in os.environ.items() if key not in {"NO_COLOR", "TEXTUAL", "COLORTERM"}}
+        clean = {key: value for key, value in os.environ.items() if key not in UNWANTED}
         os.execve(command[0], command, clean | {"TERM": "xterm-256color", "PYTHONPATH": str(ROOT)} | environment)
     shown = Window(pid, fd)
     try:
