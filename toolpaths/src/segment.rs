@@ -260,4 +260,42 @@ mod tests {
         }
         assert!((angle(0.0, -1.0) - PI).abs() < 1e-15);
     }
+
+    /// The nearest of many points on a piece.
+    fn densely(shape: &Shape<3>, c: &Circle, x: &[f64; 3], a: f64, b: f64) -> f64 {
+        let at = |i: u32| a + (b - a) * f64::from(i) / 20_000.0;
+        (0..=20_000)
+            .map(|i| squared_distance(x, &shape.at_direction(c, at(i), shape.radial(c, at(i)))))
+            .fold(f64::INFINITY, f64::min)
+            .sqrt()
+    }
+
+    #[test]
+    fn nearest_points_of_circles_and_helices_are_nearest_wherever_the_sample_is() {
+        let mut k = 0.0f64;
+        let mut next = |low: f64, high: f64| {
+            k += 1.0;
+            low + (high - low) * (k * 0.754_877_666).fract()
+        };
+        for round in 0..300 {
+            let (radius, theta0) = (next(0.5, 8.0), next(-3.0, 3.0));
+            let rise = if round % 2 == 0 { 0.0 } else { next(-0.4, 0.4) };
+            let turn = (1.0f64 - rise * rise).sqrt() * if round % 3 == 0 { -1.0 } else { 1.0 };
+            let rate = turn / radius;
+            let center = [next(-5.0, 5.0), next(-5.0, 5.0)];
+            let circle =
+                Circle { c1: 0, c2: 1, center, radius, theta0, rate, mm_per_radian: 1.0 / rate, helical: rise != 0.0 };
+            let start = [center[0] + radius * theta0.cos(), center[1] + radius * theta0.sin(), 1.0];
+            let slope = [0.0, 0.0, rise];
+            let shape = Shape { start: &start, slope: &slope, circle: Some(&circle) };
+            let a = next(0.0, 3.0) * radius;
+            let b = a + next(0.05, 1.0) * shape.piece();
+            let x = [center[0] + next(-10.0, 10.0), center[1] + next(-10.0, 10.0), 1.0 + next(-3.0, 3.0)];
+            let found = shape.nearest(&x, a, b, None);
+            let expected = densely(&shape, &circle, &x, a, b);
+            assert!(found.t >= a && found.t <= b);
+            assert!(found.d2.sqrt() <= expected + 1e-9, "round {round}: {} for {expected}", found.d2.sqrt());
+            assert!(found.d2.sqrt() >= expected - 1e-6, "round {round}: {} for {expected}", found.d2.sqrt());
+        }
+    }
 }

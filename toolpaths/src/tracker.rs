@@ -97,8 +97,6 @@ pub struct Tracker {
     samples: u64,
     setpoint: Trace,
     actual: Trace,
-    /// Override that the lagging load side may still be running at.
-    recent_factor: f64,
     last_dp: Vec<f64>,
     last_deviation: f64,
     samples_per_s: f64,
@@ -167,7 +165,6 @@ impl Tracker {
             samples: 0,
             setpoint: trace.clone(),
             actual: trace,
-            recent_factor: 0.0,
             last_dp: path.start().to_vec(),
             last_deviation: 0.0,
             samples_per_s: 1.0 / options.sample_time_s,
@@ -316,14 +313,12 @@ impl Tracker {
 
     fn advance_actual<const N: usize>(&mut self, path: &Path, sample: u64, load: &[f64], factor: f64) -> Measured {
         let time_s = self.options.sample_time_s;
-        // about a second: far longer than an axis lags
-        self.recent_factor = factor.max(self.recent_factor * 0.999);
         let set_foot = self.setpoint.follower.foot;
         let cap = path.reach(set_foot, ADVANCE * time_s * factor) + SLACK_MM;
         let follower = &mut self.actual.follower;
         let row = path.segments[follower.foot.segment].scale;
         let mut x = Sample::<N>::new(path, load, row);
-        follower.step(path, &mut x, time_s * self.recent_factor, cap);
+        follower.step(path, &mut x, time_s * factor, cap);
         let foot = follower.foot;
         let deviation = distance(follower.d2);
         let signed = follower.left_of(path, &mut x);

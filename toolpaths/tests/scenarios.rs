@@ -178,6 +178,8 @@ fn an_overshoot_at_a_stop_is_given_back() {
     assert!(m.summary.setpoint.max_mm < 1e-9);
     let rows = m.tracker.as_ref().unwrap().blocks();
     assert!(rows[0].actual.max_mm < 1e-6, "a stop on a straight line: {:?}", rows[0]);
+    let first_stop = run.command.iter().filter(|&&c| c == 0).count() + 60;
+    assert!(m.actual_mm[..first_stop].iter().all(|d| *d < 1e-6), "swings back along the line");
     assert!((m.summary.actual.max_mm - 0.008).abs() < 1e-4, "beyond the corner: {:?}", m.summary.actual);
 }
 
@@ -417,4 +419,35 @@ fn a_load_side_faster_than_its_block_is_followed() {
     let m = run.measure(&p);
     assert!(m.summary.actual.max_mm < 1e-9, "{:?}", m.summary.actual);
     assert!((m.summary.lag_max_mm - 0.5).abs() < 1e-6);
+}
+
+#[test]
+fn left_is_left_on_arcs_of_both_directions() {
+    for (phi, outwards) in [(180.0, "right"), (-180.0, "left")] {
+        let mut p = Program::new(&[5.0, 0.0]);
+        p.helix(0, 1, [0.0, 0.0], phi, &[0.0, 0.0]);
+        let mut run = p.run(|_| 1.0);
+        run.shift(0, |x| x.iter_mut().for_each(|x| *x *= 1.001));
+        let d = run.measure(&p).summary.actual;
+        let (out, other) = if outwards == "right" { (d.right_mm, d.left_mm) } else { (d.left_mm, d.right_mm) };
+        assert!((out - 0.005).abs() < 1e-9 && other == 0.0, "{phi}: {d:?}");
+    }
+}
+
+#[test]
+fn speeds_of_merged_blocks_and_at_reversals_are_those_of_the_set_point() {
+    let mut p = Program::new(&[0.0, 0.0]);
+    p.line(&[1.0, 0.0]);
+    p.merged(&[vec![1.5, 0.004], vec![1.52, -0.004]], &[2.5, 0.0]);
+    let m = p.run(|_| 1.0).measure(&p);
+    assert!(m.summary.override_.velocity_ratio_error_pct.unwrap() < 1e-6, "{:?}", m.summary.override_);
+    assert!(m.summary.feed.max_over_pct.unwrap() < 1e-6, "{:?}", m.summary.feed);
+    assert!(m.summary.feed.programmed_reached_pct.unwrap() > 98.0, "{:?}", m.summary.feed);
+    for k in 0..20 {
+        let mut p = Program::new(&[0.0, 0.0]);
+        p.feed = 100.0;
+        p.line(&[3.0 + 0.01 * f64::from(k), 0.0]).line(&[0.0, 0.0]);
+        let m = p.run(|_| 1.0).measure(&p);
+        assert!(m.summary.feed.max_over_pct.unwrap() < 1e-6, "{k}: {:?}", m.summary.feed);
+    }
 }
