@@ -114,6 +114,11 @@ catalogue! {
     GC417 "arc plane contains an axis that is not configured: {a}" "choose another plane or machine";
     GC418 "arc with a rotary axis outside cylinder mode" "turn the rotary axis in a G01 block";
 
+    GC419 "{code} is not allowed while radius correction is active" "programme G40 and a straight move before";
+    GC420 "inner arc of radius {r} is smaller than the tool radius {t}" "use a smaller tool";
+    GC421 "contour is too narrow for the tool (bottleneck)" "use a smaller tool, or check the side G41/G42";
+    GC422 "contour reverses on itself under radius correction" "programme G40 before turning back";
+
     GC501 "no feed programmed" "add F";
     GC502 "G93 needs F in every feed block" "add F to the block";
     GC503 "G96 without speed limit" "add G92 S before";

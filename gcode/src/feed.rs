@@ -104,14 +104,4 @@ impl Translator<'_> {
         let metres = if modal.inch { speed * 0.3048 } else { speed };
         Ok(limit.min(1000.0 * metres / (std::f64::consts::PI * diameter)))
     }
-
-    /// Rapid path speed such that no axis exceeds its rapid limit.
-    pub(crate) fn rapid_speed(&self, to: &Point, length: f64) -> f64 {
-        let from = &self.state.machine;
-        let speeds = self.group.axes.iter().enumerate().filter_map(|(slot, axis)| {
-            let d = (to[slot] - from[slot]).abs();
-            (d > 0.0).then(|| axis.rapid * length / d)
-        });
-        speeds.fold(f64::INFINITY, f64::min)
-    }
 }

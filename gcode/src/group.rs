@@ -67,6 +67,14 @@ impl ContourGroup {
     pub fn set(&self) -> AxisSet {
         self.axes.iter().map(|a| a.axis).collect()
     }
+    /// Rapid path speed such that no axis exceeds its rapid limit.
+    pub fn rapid_speed(&self, from: &Point, to: &Point, length: f64) -> f64 {
+        let speeds = self.axes.iter().enumerate().filter_map(|(slot, axis)| {
+            let d = (to[slot] - from[slot]).abs();
+            (d > 0.0).then(|| axis.rapid * length / d)
+        });
+        speeds.fold(f64::INFINITY, f64::min)
+    }
     /// Path length of a straight move (design D7).
     pub fn distance(&self, from: &Point, to: &Point) -> f64 {
         let squares = self.axes.iter().zip(from.iter().zip(to)).map(|(a, (f, t))| ((t - f) * a.metric).powi(2));

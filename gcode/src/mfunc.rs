@@ -374,6 +374,9 @@ impl Translator<'_> {
 
     /// Program end: outputs off, everything done, modal reset.
     pub fn end(&mut self, kind: &str) {
+        if let Err(fault) = self.sink.close_correction(Span::new(0, 1)) {
+            self.faults.push(fault);
+        }
         self.sink.stop();
         let lines = self.machine.gcode.outputs;
         let reset = lines.spindle_cw | lines.spindle_ccw | lines.coolant1 | lines.coolant2;

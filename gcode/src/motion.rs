@@ -18,7 +18,11 @@ impl Translator<'_> {
     /// GC413 for every axis outside its limits; the program is read on as if it had got there.
     #[inline]
     pub(crate) fn check_limits(&mut self, block: &Block, point: &Point) {
+        let corrected = self.sink.is_displaced();
         for (slot, axis) in self.group.axes.iter().enumerate() {
+            if corrected && self.sink.plane.contains(&slot) {
+                continue;
+            }
             let value = point[slot];
             self.facts.low[slot] = self.facts.low[slot].min(value);
             self.facts.high[slot] = self.facts.high[slot].max(value);
@@ -124,12 +128,12 @@ impl Translator<'_> {
         }
         let gcode = &self.machine.gcode;
         let (vl, ac) = if rapid {
-            (self.rapid_speed(&target.machine, lengths.path), gcode.trac_rapid)
+            (self.group.rapid_speed(&self.state.machine, &target.machine, lengths.path), gcode.trac_rapid)
         } else {
             (vl, gcode.trac_feed)
         };
         self.facts.motion_blocks += 1;
-        self.sink.motion(Motion {
+        let motion = Motion {
             line: self.line,
             rapid,
             exact: self.state.modal.exact || block.groups & Group::Nothing.bit() != 0 && block.g(90).is_some(),
@@ -140,7 +144,8 @@ impl Translator<'_> {
             ac,
             tolerance: self.state.modal.tolerance,
             slack: 0.0,
-        });
+        };
+        self.sink.motion(motion, block.span)?;
         self.state.machine = target.machine;
         Ok(())
     }
@@ -261,13 +266,13 @@ impl Translator<'_> {
         };
         let sagitta = circle.radius * (1.0 - (0.5 * circle.sweep.to_radians()).cos());
         let short = lengths.path < 1.6 * self.machine.sample_time_s() * vl;
-        if short && circle.sweep.abs() < 180.0 && sagitta <= motion.tolerance {
+        if short && !self.sink.is_displaced() && circle.sweep.abs() < 180.0 && sagitta <= motion.tolerance {
             let chord = self.group.distance(&self.state.machine, &target.machine);
             motion = Motion { circle: None, length: chord, slack: sagitta, ..motion };
         }
         self.facts.motion_blocks += 1;
         if motion.length >= NOTHING {
-            self.sink.motion(motion);
+            self.sink.motion(motion, block.span)?;
             self.state.machine = target.machine;
         }
         self.state.program = target.program;
@@ -275,6 +280,9 @@ impl Translator<'_> {
     }
     /// GC413 for the points of an arc that lie farthest out.
     fn check_extremes(&mut self, block: &Block, circle: &Circle, start: [f64; 2], end: [f64; 2]) {
+        if self.sink.is_displaced() {
+            return;
+        }
         let bounds = arc::bounds(start, circle.centre, circle.sweep, end);
         for (i, slot) in circle.slots.into_iter().enumerate() {
             let (low, high) = bounds[i];
@@ -294,7 +302,7 @@ impl Translator<'_> {
     }
 }
 
-fn outside(letter: char, value: f64, (low, high): (f64, f64), note: &str, span: Span) -> Fault {
+pub(crate) fn outside(letter: char, value: f64, (low, high): (f64, f64), note: &str, span: Span) -> Fault {
     let value = format!("{value:.4}");
     let value = value.trim_end_matches('0').trim_end_matches('.');
     Fault::with(Id::GC413, span, &[&letter, &value, &low, &high, &note])

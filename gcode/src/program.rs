@@ -44,7 +44,7 @@ pub fn compile(source: &[u8], filename: &str, machine: &Machine, options: &Optio
     }
     let failed = reports.has_errors();
     let (diagnostics, more_warnings) = reports.finish();
-    translator.facts.merged = translator.sink.merged;
+    translator.settle_facts();
     let keep = !failed && !options.check_only;
     let Translator { sink, facts, .. } = translator;
     Compiled { program: keep.then(|| sink.finish()), diagnostics, more_warnings, facts }

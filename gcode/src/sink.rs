@@ -3,7 +3,9 @@
 use motion_kernel::autocode::{Builder, HostEvent, Instr, Move, MoveKind, Program, Ssf, Via};
 use motion_kernel::axes::{AxisList, AxisSet};
 
+use crate::diagnostics::{Check, Span};
 use crate::group::{ContourGroup, Point, SLOTS};
+use crate::offset_path::{Held, Tracking};
 
 /// A circle in the plane of two slots, in machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,13 +78,20 @@ struct Previous {
 
 pub struct Sink {
     builder: Builder,
+    /// Radius correction, if one is active.
+    pub(crate) tracking: Option<Tracking>,
+    /// Slots of the plane of the correction.
+    pub(crate) plane: [usize; 2],
+    /// Extents of corrected motions.
+    pub(crate) low: Point,
+    pub(crate) high: Point,
     keep: bool,
-    group: ContourGroup,
+    pub(crate) group: ContourGroup,
     list: u16,
     circle_lists: Vec<([usize; 2], u16)>,
     sample: f64,
     look_ahead: bool,
-    position: Point,
+    pub(crate) position: Point,
     run: Option<Run>,
     spare: Vec<Passed>,
     previous: Option<Previous>,
@@ -99,6 +108,10 @@ impl Sink {
         let list = builder.axis_list(AxisList::new(&group.axes.iter().map(|a| a.axis).collect::<Vec<_>>()));
         Sink {
             builder,
+            tracking: None,
+            plane: [0, 1],
+            low: group.start,
+            high: group.start,
             keep,
             group: group.clone(),
             list,
@@ -131,12 +144,32 @@ impl Sink {
 
     /// A motion of the program; `target` differs from the present position.
     #[inline]
-    pub fn motion(&mut self, motion: Motion) {
+    pub fn motion(&mut self, motion: Motion, span: Span) -> Check<()> {
+        if self.tracking.is_some() {
+            let result = self.track(motion, span);
+            if result.is_err() {
+                // what follows would only be consequences
+                self.tracking = None;
+            }
+            return result;
+        }
+        self.pass(motion);
+        Ok(())
+    }
+    pub(crate) fn reach(&mut self, point: &Point) {
+        for slot in 0..SLOTS {
+            self.low[slot] = self.low[slot].min(point[slot]);
+            self.high[slot] = self.high[slot].max(point[slot]);
+        }
+    }
+    /// A motion as the axes will execute it.
+    #[inline]
+    pub(crate) fn pass(&mut self, motion: Motion) {
         let straight = motion.circle.is_none() && !motion.rapid && !motion.exact;
         if straight && motion.length < MERGE_SAMPLES * self.sample * motion.vl {
             self.short(motion);
         } else {
-            self.flush();
+            self.close_run();
             self.write(motion, (0, 0));
         }
     }
@@ -147,11 +180,11 @@ impl Sink {
                 run.extend(&motion, time, deviation);
                 let chord = self.group.distance(&run.start, &motion.target);
                 if chord >= MERGE_SAMPLES * self.sample * run.speed(chord) {
-                    self.flush();
+                    self.close_run();
                 }
                 return;
             }
-            self.flush();
+            self.close_run();
         }
         let mut passed = std::mem::take(&mut self.spare);
         passed.clear();
@@ -161,6 +194,12 @@ impl Sink {
     /// Ends a run of short lines: a change of anything but the target closes it.
     #[inline]
     pub fn flush(&mut self) {
+        if self.tracking.is_none() || !self.hold(|| Held::Flush) {
+            self.close_run();
+        }
+    }
+    #[inline]
+    fn close_run(&mut self) {
         if let Some(run) = self.run.take() {
             self.close(run);
         }
@@ -260,11 +299,17 @@ impl Sink {
 
     /// The motion before this ends at standstill.
     pub fn stop(&mut self) {
-        self.flush();
+        if self.hold(|| Held::Stop) {
+            return;
+        }
+        self.close_run();
         self.previous = None;
     }
     /// A spool function; `wait` functions need the motion before them to stop.
     pub fn ssf(&mut self, line: u32, axes: AxisSet, command: u16, value: f64, wait: bool) {
+        if self.hold(|| Held::Ssf(line, axes, command, value, wait)) {
+            return;
+        }
         if wait {
             self.stop()
         } else {
@@ -276,7 +321,10 @@ impl Sink {
         }
     }
     pub fn event(&mut self, line: u32, kind: &str, text: &str) {
-        self.flush();
+        if self.hold(|| Held::Event(line, kind.to_owned(), text.to_owned())) {
+            return;
+        }
+        self.close_run();
         self.commands += 1;
         if self.keep {
             let axis = self.first_axis();
@@ -285,7 +333,10 @@ impl Sink {
     }
     /// An instruction of the task itself, behind everything spooled so far.
     pub fn instr(&mut self, line: u32, instr: Instr) {
-        self.flush();
+        if self.hold(|| Held::Instr(line, instr)) {
+            return;
+        }
+        self.close_run();
         self.commands += 1;
         if self.keep {
             self.builder.emit(line, instr);

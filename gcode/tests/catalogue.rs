@@ -198,7 +198,7 @@ const ON_MILL3: &[Row] = &[
 const ELSEWHERE: &[(&str, &str)] = &[
     ("GC112", "reading files is the application's part"),
     ("GC114", "the text is compiled from memory, it cannot change"),
-    ("GC312", "see radius_correction below"),
+    ("GC312", "the correction is built"),
     ("GC321", "cylinder mode is not built: G07.1 is GC305"),
     ("GC322", "cylinder mode is not built"),
     ("GC414", "cylinder mode is not built"),
@@ -297,8 +297,15 @@ fn wide() -> Machine {
 fn radius_correction() {
     let mut machine = mill3();
     machine.gcode.tools[0].radius = 4.0;
-    let row = ("GC312", 1, 1, 3, "G41 D1\nM30\n");
-    assert_eq!(check(&row, &machine, &Options::default()), None);
+    let rows = [
+        ("GC419", 2, 1, 3, "G41 D1 G1 X5 F100\nG54\nM30\n"),
+        ("GC420", 2, 1, 9, "G41 D1 G1 X5 F100\nG3 X1 I-2\nM30\n"),
+        ("GC421", 4, 1, 2, "G41 D1 G1 X5 F100\nX40\nY6\nX0\nM30\n"),
+        ("GC422", 3, 1, 3, "G41 D1 G1 X5 F100\nX40\nX10\nM30\n"),
+    ];
+    for row in &rows {
+        assert_eq!(check(row, &machine, &Options::default()), None);
+    }
 }
 
 #[test]

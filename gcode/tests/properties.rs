@@ -136,7 +136,9 @@ fn careful(profile: Profile) -> Options {
 
 fn survives(source: &[u8]) -> Result<(), TestCaseError> {
     for profile in [Profile::Din, Profile::Fanuc, Profile::Linuxcnc, Profile::Lathe] {
-        let compiled = compile(source, "f.nc", &mill3(), &careful(profile));
+        let mut machine = mill3();
+        machine.gcode.tools[0].radius = 1.5;
+        let compiled = compile(source, "f.nc", &machine, &careful(profile));
         prop_assert!(compiled.diagnostics.len() <= 601);
         prop_assert_eq!(compiled.program.is_none(), compiled.has_errors());
         for d in &compiled.diagnostics {
