@@ -261,7 +261,7 @@ fn gouges(edges: &[Edge], left: bool, radius: f64) -> Option<bool> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1000, max_global_rejects: 100_000, ..ProptestConfig::default() })]
     #[test]
     fn the_tool_keeps_its_distance(
         corners in prop::collection::vec((0.0..0.6f64, 25.0..80.0f64, -3..4i8), 4..10),
