@@ -56,7 +56,7 @@ fn a_part_program_runs_to_its_end() {
 fn a_corrected_contour_runs() {
     let mut machine = mill3();
     machine.gcode.tools[0].radius = 3.0;
-    let text = "T1 M6\nG0 X20 Y15 Z5\nG1 Z-2 F600\nG41 D1 X20 Y0\nX30\nG3 X40 Y10 J10\nG1 Y40\nX0\nG2 X-10 Y30 J-10\nG1 Y0\nX20\n\
+    let text = "T1 M6\nG0 X20 Y15 Z5\nG1 Z-2 F600\nG41 D1 X20 Y0\nX30\nG3 X40 Y10 J10\nG1 Y40\nX0\nG3 X-10 Y30 J-10\nG1 Y0\nX20\n\
         G40 Y15\nM30\n";
     assert_runs(text, machine);
 }

@@ -6,7 +6,8 @@ use motion_kernel::autocode::{Instr, MoveKind, Program};
 use motion_kernel::machine::Machine;
 
 pub fn mill3() -> Machine {
-    Machine::builtin()
+    static MILL: std::sync::OnceLock<Machine> = std::sync::OnceLock::new();
+    MILL.get_or_init(Machine::builtin).clone()
 }
 
 pub fn example(name: &str) -> Machine {
