@@ -25,6 +25,7 @@ RUNS = [
     ("helix-full-turns.gcode", "mill3", ""),
     ("laser-abs-centre.tap", "mill3", ""),
     ("lathe-turn.nc", "mill3", "lathe"),
+    ("mach3-clamp-inch.nc", "mill3", ""),
     ("mach3-pocket-r.tap", "mill3", ""),
     ("named-param-cutout.ngc", "mill3", "linuxcnc"),
     ("no-spaces.gcode", "mill3", ""),
@@ -60,9 +61,6 @@ REFUSED = [
     ("sinumerik840d.mpf", "mill3", {"GC801"}),
     ("sinumerik850-drill.nc", "mill3", {"GC801"}),
 ]
-
-#: Decided by the compiler's owner while this table was written; only clean behaviour is asked for.
-OPEN = [("mach3-clamp-inch.nc", "mill3", "")]
 
 needs_programs = pytest.mark.skipif(not FOLDER.is_dir(), reason=f"no part programs in {FOLDER}")
 
@@ -104,13 +102,8 @@ def test_override_changes_no_path(cli: Cli, name: str) -> None:
 
 
 @needs_programs
-@pytest.mark.parametrize(("name", "machine", "profile"), OPEN, ids=[row[0] for row in OPEN])
-def test_ends_cleanly(cli: Cli, name: str, machine: str, profile: str) -> None:
-    assert cli("run", FOLDER / name, "--json", "-q").code in (0, 1, 2)
-
-
-@needs_programs
 def test_every_program_has_its_row() -> None:
     with (FOLDER / "index.csv").open(newline="") as file:
         names = {Path(row["file"]).name for row in csv.DictReader(file)}
-    assert names == {row[0] for row in [*RUNS, *REFUSED, *OPEN]}
+    assert (len(RUNS), len(REFUSED)) == (26, 14)
+    assert names == {row[0] for row in [*RUNS, *REFUSED]}
