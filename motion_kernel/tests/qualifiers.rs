@@ -111,7 +111,9 @@ fn clv_goes_on_with_the_actual_velocity() {
     mcu.clv(set(&[0]));
     assert_eq!(mcu.rddp(0), rp);
     assert!((mcu.rddv(0) - rv).abs() < 1e-9);
-    mcu.run(500);
+    mcu.run(1);
+    assert!((mcu.rdmcp(0) - 3_277).abs() < 400, "no jerk: {}", mcu.rdmcp(0));
+    mcu.run(499);
     assert!((mcu.rdrp(0) - rp - rv * 500.0 * TA).abs() < 0.01, "{} mm after {rp}", mcu.rdrp(0));
     mcu.js(set(&[0]));
     mcu.run(500);
