@@ -196,3 +196,47 @@ def test_its_script_runs_in_a_browser_without_complaint(reported: tuple[Path, di
     shown = Page(done.stdout).texts
     assert float(shown["fig-actual"]) == pytest.approx(reported[1]["deviation"]["actual"]["max_mm"] * 1e3, abs=0.05)
     assert done.stdout.count('<canvas class="axis"') == 3, "one chart of the following error an axis"
+
+
+#: Uses the page as a reader does: visits the worst place, sweeps every chart, zooms, sorts, filters, prints.
+USE = """<script>
+document.querySelector("#findings tr[data-vertex]").click();
+document.body.dataset.visited = document.getElementById("path-hover").textContent;
+for (const canvas of document.querySelectorAll("canvas")) {
+  const box = canvas.getBoundingClientRect();
+  const at = (type, x, buttons) => canvas.dispatchEvent(
+    new PointerEvent(type, { clientX: box.left + x, clientY: box.top + 50, buttons, bubbles: true }));
+  at("pointermove", 200, 0); at("pointerdown", 200, 1); at("pointermove", 300, 1);
+  at("pointerup", 300, 0);
+  canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: -200, bubbles: true, cancelable: true }));
+  at("pointerleave", 0, 0); canvas.dispatchEvent(new MouseEvent("dblclick"));
+}
+for (const button of document.querySelectorAll("#views button")) button.click();
+for (const box of document.querySelectorAll("input[type=checkbox]")) box.click();
+const field = document.getElementById("filter");
+document.querySelectorAll("#blocks th button")[2].click();
+document.body.dataset.first = document.querySelector("#blocks tbody td").textContent;
+field.value = "g3"; field.dispatchEvent(new Event("input"));
+document.body.dataset.arcs = document.querySelectorAll("#blocks tbody tr").length;
+window.dispatchEvent(new Event("beforeprint")); window.dispatchEvent(new Event("afterprint"));
+document.body.dataset.done = "yes";
+</script></body>"""
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
+def test_the_page_can_be_used(reported: tuple[Path, dict], tmp_path: Path) -> None:
+    assert CHROMIUM is not None
+    html = (reported[0] / "run/report.html").read_text(encoding="utf-8")
+    (tmp_path / "used.html").write_text(html.replace("</body>", USE), encoding="utf-8")
+    options = ["--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--virtual-time-budget=3000"]
+    page = (tmp_path / "used.html").as_uri()
+    done = subprocess.run([CHROMIUM, *options, "--dump-dom", page], capture_output=True, text=True, timeout=120)
+    assert not [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+    body = re.search(r"<body[^>]*>", done.stdout)
+    assert body and 'data-done="yes"' in body[0]
+    worst = figures(reported[0] / "run")["findings"][0]
+    assert f"line {worst['line']}:" in body[0] and f"{worst['max_um']:.2f} µm" in body[0], "the place is told"
+    assert f'data-first="{worst["line"]}"' in body[0], "sorted by deviation, worst first"
+    with (reported[0] / "run/blocks.csv").open(encoding="utf-8", newline="") as file:
+        arcs = sum("g3" in r["text"].lower() for r in csv.DictReader(file))
+    assert f'data-arcs="{arcs}"' in body[0] and arcs > 0

@@ -79,17 +79,25 @@ impl<'a> ColumnsView<'a> {
     }
     /// Appends the message to `out`.
     pub fn encode(&self, out: &mut Vec<u8>) {
-        out.reserve(HEAD + self.len() * bytes_per_sample(self.axes));
         out.extend(self.first_sample.to_le_bytes());
         out.extend((self.len() as u32).to_le_bytes());
         out.extend((self.axes as u32).to_le_bytes());
+        let from = out.len();
+        out.resize(from + self.len() * bytes_per_sample(self.axes), 0);
+        let mut rest = &mut out[from..];
+        // fixed-size pieces of a slice: the compiler makes a plain copy of it
         for column in [self.dp, self.load, self.rp, self.factor, self.v_plan] {
-            column.iter().for_each(|value| out.extend(value.to_le_bytes()));
+            let (own, behind) = rest.split_at_mut(8 * column.len());
+            own.chunks_exact_mut(8).zip(column).for_each(|(bytes, value)| bytes.copy_from_slice(&value.to_le_bytes()));
+            rest = behind;
         }
         for column in [self.line, self.entry, self.flags] {
-            column.iter().for_each(|value| out.extend(value.to_le_bytes()));
+            let (own, behind) = rest.split_at_mut(4 * column.len());
+            own.chunks_exact_mut(4).zip(column).for_each(|(bytes, value)| bytes.copy_from_slice(&value.to_le_bytes()));
+            rest = behind;
         }
-        self.deviation_mm.iter().for_each(|value| out.extend(value.to_le_bytes()));
+        let deviations = rest.chunks_exact_mut(4).zip(self.deviation_mm);
+        deviations.for_each(|(bytes, value)| bytes.copy_from_slice(&value.to_le_bytes()));
     }
 }
 
