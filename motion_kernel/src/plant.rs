@@ -200,17 +200,17 @@ impl Stepper {
         self.phase += self.ticks_per_sample;
         let steps = (self.phase / period).floor();
         self.phase -= steps * period;
-        self.counts += steps as i64 * i64::from(self.mcp.signum());
+        self.counts = self.counts.saturating_add(steps as i64 * i64::from(self.mcp.signum()));
     }
     /// As many pulses as lead to `target` within the sample; mcp is the delay between them.
     #[inline]
     pub fn follow(&mut self, target: i64) {
-        let steps = target - self.counts;
+        let steps = target.saturating_sub(self.counts);
         self.counts = target;
         self.mcp = if steps == 0 { 0 } else { self.delay_of(steps) };
     }
     fn delay_of(&self, steps: i64) -> i32 {
-        let delay = (self.ticks_per_sample / (2.0 * steps.abs() as f64) - 1.0).round();
+        let delay = (self.ticks_per_sample / (2.0 * steps.unsigned_abs() as f64) - 1.0).round();
         delay.clamp(1.0, f64::from(MOST_DELAY)) as i32 * steps.signum() as i32
     }
 }

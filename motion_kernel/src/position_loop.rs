@@ -65,7 +65,7 @@ impl PositionLoop {
     }
     /// Actual velocity: what the encoder counted in the last sample, axis units/s.
     pub fn rv(&self) -> f64 {
-        (self.counts - self.counts_before) as f64 * self.unit_per_count / self.ta_s
+        self.counts.saturating_sub(self.counts_before) as f64 * self.unit_per_count / self.ta_s
     }
     /// Position of the load side, axis units (design D21).
     #[inline]
@@ -114,7 +114,7 @@ impl PositionLoop {
             }
             Drive::Stepper { target, .. } => {
                 let wanted = whole(dp * self.counts_per_unit);
-                if (wanted - *target) as f64 * motor_off <= 0.0 {
+                if wanted.saturating_sub(*target) as f64 * motor_off <= 0.0 {
                     *target = wanted;
                 }
             }
@@ -164,8 +164,8 @@ impl PositionLoop {
     /// Gives the present position another coordinate (wrrp, 4.4.167).
     pub fn set_rp(&mut self, rp: f64) {
         let counts = whole(rp * self.counts_per_unit);
-        let shift = counts - self.counts;
-        (self.counts, self.counts_before) = (counts, self.counts_before + shift);
+        let shift = counts.saturating_sub(self.counts);
+        (self.counts, self.counts_before) = (counts, self.counts_before.saturating_add(shift));
         match &mut self.drive {
             Drive::Servo { plant, .. } => plant.push(shift as f64 * self.unit_per_count),
             Drive::Stepper { target, stepper } => (*target, stepper.counts) = (counts, counts),

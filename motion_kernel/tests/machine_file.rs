@@ -147,3 +147,27 @@ proptest! {
         }
     }
 }
+
+/// The largest and smallest values that the reader accepts still give a machine that runs.
+#[test]
+fn extreme_machines_run_without_panic() {
+    let axis = |n: usize, numbers: &str| format!("[[axis]]\nname = \"A{n}\"\nletter = \"\"\n{numbers}\n");
+    let large = "counts_per_unit = 1e9\nrapid = 1e9\nacceleration = 1e9\nstart = 1e9\neffradius = 1e9\n\
+        pidf = { kp = 1e9, ki = 1e9, kd = 1e9, kpl = 1.0, kfcv = 1e9, kfca = 1e9 }\n\
+        plant = { lag_s = 10.0, full_speed = 1e9, backlash = 1e9, full_acceleration = 1e9, inertia = 1e3 }";
+    let small = "kind = \"rotary\"\ncounts_per_unit = 1e-9\nrapid = 1e-9\nacceleration = 1e-9\neffradius = 1e-9\nslsp = 1e-9\n\
+        plant = { control = \"torque\", lag_s = 0.0, full_speed = 1e-9, full_acceleration = 1e-9, inertia = 1e-3, \
+        friction = 1e9, damping = 1e6 }";
+    let controller = "[controller]\nsample_ticks = 1000\nspool_memory_bytes = 4194304\nclock_hz = 1e9\n";
+    for numbers in [large, small] {
+        let text: String = (0..18).map(|n| axis(n, numbers)).collect::<String>() + controller;
+        let machine = Machine::parse(text.as_bytes()).expect("within bounds");
+        let mut mcu = motion_kernel::Mcu::new(std::sync::Arc::new(machine));
+        mcu.prepare_gcode();
+        for a in 0..18 {
+            mcu.wrdp(a, mcu.rddp(a) * 0.999 + 1e-9);
+        }
+        mcu.run(200);
+        assert!((0..18).all(|a| mcu.rdrp(a).is_finite() && mcu.status().axes[a].load.is_finite()));
+    }
+}

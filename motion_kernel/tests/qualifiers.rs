@@ -449,3 +449,21 @@ fn rs_resets_the_system() {
     mcu.clear_errorreg();
     assert_eq!(mcu.errorreg(), ErrorReg(0));
 }
+
+#[test]
+fn positions_beyond_all_counts_do_not_panic() {
+    for drive in [DriveKind::Servo, DriveKind::Stepper] {
+        let mut mcu = booted(|m| m.axes.iter_mut().for_each(|a| a.drive = drive));
+        mcu.wrrp(0, -1e300);
+        mcu.wrmcp(0, 1);
+        mcu.run(2);
+        mcu.cl(mcu.all_axes());
+        mcu.wrdp(0, 1e300);
+        mcu.run(3);
+        mcu.wrdp(0, -1e300);
+        mcu.run(3);
+        mcu.ra(mcu.all_axes());
+        mcu.run(2);
+        assert_eq!(mcu.rddp(0), 0.0);
+    }
+}

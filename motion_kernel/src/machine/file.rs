@@ -96,7 +96,7 @@ fn controller(section: Section<'_, '_>) -> Controller {
     let default = Controller::default();
     let controller = Controller {
         sample_ticks: section.integer("sample_ticks", 1..=1_000, default.sample_ticks),
-        spool_memory_bytes: section.integer("spool_memory_bytes", 4_096..=1 << 30, default.spool_memory_bytes),
+        spool_memory_bytes: section.integer("spool_memory_bytes", 4_096..=1 << 22, default.spool_memory_bytes),
         direct_latency: section.integer("direct_latency", 0..=100, default.direct_latency),
         statements_per_sample: section.integer("statements_per_sample", 1..=100_000, default.statements_per_sample),
         lookahead_depth: section.integer("lookahead_depth", 0..=1_000_000, default.lookahead_depth),
