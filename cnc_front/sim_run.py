@@ -70,6 +70,7 @@ class SimRun:
         if rested:
             samples = min(samples, self._settle)
         chunk = self.execution.advance(samples)
+        self.execution.happened()  # for recordings; nobody takes it here
         if chunk is None:
             return
         if len(chunk):

@@ -147,7 +147,9 @@ def run_object(result: RunResult, verdict: Verdict, files: dict[str, str | None]
             "samples": execution.mcu.samples(),
             "sample_time_us": job.machine.machine.sample_time_us,
             "commands": {name: count for name, count in job.program.counts() if count},
-            "alarms": [{"t_s": a.t_s, "axis": a.axis, "bit": a.bit, "name": a.name} for a in execution.alarms],
+            "alarms": [
+                {"t_s": a.t_s, "axis": a.axis, "bit": a.bit, "name": a.name, "line": a.line} for a in execution.alarms
+            ],
             "error_register": execution.mcu.status()["errorreg"],
             "output": execution.output.splitlines(),
             "files": files,

@@ -222,6 +222,9 @@ def test_following_error_beyond_mpe_is_an_alarm(cli: Cli, job: Callable[..., Pat
     run = ran.object
     assert ran.code in (1, 3)
     assert {alarm["name"] for alarm in run["alarms"]} >= {"mpe"}
+    first = run["alarms"][0]
+    assert first.keys() == {"t_s", "axis", "bit", "name", "line"}
+    assert (first["bit"], first["axis"] in "XY", 2 <= first["line"] <= 7) == (7, True, True)
     assert any(reason["id"] in ("alarm", "fault") for reason in run["verdict"]["reasons"])
 
 
