@@ -111,6 +111,11 @@ impl Mcu {
                 let bits = self.ci[usize::from(n) - 11000] as u32 & !to_mask(value);
                 self.write_ci(a, n - 11000, bits as i32, function.line);
             }
+            n @ 1200..=1207 => {
+                if let Some(position_loop) = self.loops.get_mut(usize::from(n) - 1200) {
+                    position_loop.set_mcp(to_int(value));
+                }
+            }
             n @ 20000..=20999 => self.cd[usize::from(n) - 20000] = value,
             command::SET_OUTPUTS => self.write_outputs(a, self.axes[a].digo | to_mask(value), function.line),
             command::RESET_OUTPUTS => self.write_outputs(a, self.axes[a].digo & !to_mask(value), function.line),
@@ -172,6 +177,6 @@ impl Mcu {
 }
 
 fn is_known(number: u16) -> bool {
-    let range = matches!(number, 0..=1002 | 10000..=11999 | 20000..=20999);
+    let range = matches!(number, 0..=1002 | 1200..=1207 | 10000..=11999 | 20000..=20999);
     range || command::WAITS.contains(&number)
 }

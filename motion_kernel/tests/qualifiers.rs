@@ -4,6 +4,7 @@ mod common;
 
 use common::*;
 use motion_kernel::Mcu;
+use motion_kernel::functions::Entered;
 use motion_kernel::machine::{DriveKind, LimitFunction, Machine, PidfGains};
 use motion_kernel::registers::{Axst, ErrorReg, ModeReg};
 use std::sync::Arc;
@@ -466,4 +467,21 @@ fn positions_beyond_all_counts_do_not_panic() {
         mcu.run(2);
         assert_eq!(mcu.rddp(0), 0.0);
     }
+}
+
+// shows: ssf.1200-1207
+#[test]
+fn a_spooled_function_writes_the_motor_command_of_an_open_axis() {
+    let mut mcu = booted(|_| ());
+    mcu.cl(set(&[0]));
+    line(&mut mcu, &[5.0], 50.0, 1000.0, 0.0);
+    assert_eq!(mcu.ssf(0, 1202, -1234.9, 1), Entered::Yes);
+    assert_eq!(mcu.ssf(0, 1207, 500.0, 1), Entered::Yes, "an axis that this machine lacks");
+    assert_eq!(mcu.ssf(0, 1208, 500.0, 1), Entered::Discarded);
+    mcu.ssms(set(&[0]));
+    mcu.run(20);
+    assert_eq!(mcu.rdmcp(2), 0, "in step with motion");
+    mcu.run(500);
+    assert_eq!((mcu.rdmcp(1), mcu.rdmcp(2)), (0, -1234));
+    assert!(mcu.rdrp(2) < -1.0);
 }
