@@ -131,13 +131,17 @@ class Terminal(App[None]):
     # ---- drawing
 
     def _beat_once(self) -> None:
-        """Draws, unless the terminal has not yet taken the frame before (a slow line)."""
+        """Draws in time, and notes how regular that is."""
         now = time.monotonic()
         self._pulse_s += 0.3 * (now - self._beat - self._pulse_s)
         self._beat = now
+        self.tick()
+
+    @property
+    def is_behind(self) -> bool:
+        """The terminal has not yet taken the frame before: a slow line. One more would only delay the keys."""
         writer = getattr(getattr(self._driver, "_writer_thread", None), "_queue", None)
-        if writer is None or writer.empty():
-            self.tick()
+        return writer is not None and not writer.empty()
 
     def shown(self) -> Shown:
         """What the engine reports now, and how old that is."""
@@ -149,8 +153,8 @@ class Terminal(App[None]):
         return Shown(snapshot, self.job, self.look, self.words, stale, self._pulse_s)
 
     def tick(self) -> None:
-        """Draws one frame."""
-        if not self.is_running or not self.screen_stack:
+        """Draws one frame, unless the terminal is behind; the next regular one then shows what changed."""
+        if not self.is_running or not self.screen_stack or self.is_behind:
             return
         self._ticks += 1
         shown, base = self.shown(), self.screen_stack[0]

@@ -124,7 +124,9 @@ def test_hold_is_heard_while_nobody_reads_the_screen(tmp_path: Path) -> None:
     log = tmp_path / "log"
     with window([*CHILD, str(log)], (120, 40)) as w:
         w.shows("RUNNING")
-        time.sleep(1.5)  # not a wait for something: the reader is asleep, some 15 frames pile up
+        for _ in range(120):  # more frames than Textual keeps in its queue, none of which is read
+            os.write(w.fd, b"vvv")
+            time.sleep(0.02)
         os.write(w.fd, b" ")
         deadline = time.monotonic() + 5
         while "hold" not in lines_of(log):
