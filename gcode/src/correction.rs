@@ -234,7 +234,8 @@ impl Watch {
     }
     /// A new piece of the tool path must keep its distance from the contour behind it.
     pub fn piece(&mut self, piece: &Piece, radius: f64, span: Span) -> Check<()> {
-        if self.centre_path.len() == WINDOW {
+        // an element and the arc about its corner
+        if self.centre_path.len() == 2 * WINDOW {
             self.centre_path.pop_front();
         }
         self.centre_path.push_back(*piece);

@@ -168,6 +168,9 @@ impl Sink {
             t.watch.piece(&piece, radius, span)?;
             piece
         };
+        if let Some(link) = &corner.link {
+            t.watch.piece(link, radius, span)?;
+        }
         self.write_piece(&p.motion, &piece, span)?;
         if let Some(link) = corner.link {
             let rapid = p.motion.rapid || next.is_some_and(|n| n.rapid);

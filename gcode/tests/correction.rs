@@ -107,6 +107,16 @@ fn gouges_and_wrong_places_are_errors() {
     assert_eq!(id("G41 D99 G1 X5 F600\nM30\n", 4.0), Some(("GC509", 1)));
 }
 
+/// Two spikes face each other with a gap of 6 mm: no element is too short, the tool still does not fit.
+#[test]
+fn a_bottleneck_between_elements_far_apart_is_found() {
+    let neck = "G0 X5 Y20\nG41 D1 G1 X0 Y20 F600\nY0\nX18\nX20 Y17\nX22 Y0\nX40\nY40\nX22\nX20 Y23\nX18 Y40\nX0\nY20\n\
+        G40 X5\nM30\n";
+    assert!(!run(neck, 2.9).has_errors(), "{:?}", run(neck, 2.9).diagnostics);
+    let found = run(neck, 3.05).diagnostics;
+    assert_eq!((found[0].id, found[0].line), ("GC421", 10), "{found:?}");
+}
+
 // --- random contours ---
 
 type Point = [f64; 2];
