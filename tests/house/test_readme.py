@@ -34,6 +34,13 @@ def test_the_two_commands_come_first() -> None:
     assert "cnc-front tui examples/jobs/cam.nc" in COMMANDS
 
 
+@pytest.mark.parametrize("page", ["README.md", "ARCHITECTURE.md"])
+def test_links_lead_somewhere(page: str) -> None:
+    text = (ROOT / page).read_text("utf-8")
+    links = [link for link in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in link]
+    assert not [link for link in links if not (ROOT / link).exists()]
+
+
 def test_its_python_runs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.chdir(ROOT)
     for block in re.findall(r"```python\n(.*?)```", README, re.DOTALL):
