@@ -119,7 +119,7 @@ class _Plotting:
         from cnc_front.report.data import PLOT_POINTS
 
         self.path, self.tracker = path, tracker
-        self.polyline = path.polyline(0.005, PLOT_POINTS)
+        self.polyline = path.polyline(0.005, PLOT_POINTS * 3 // max(3, len(path.extents)))
         tracker.watch(self.polyline["s_mm"])
 
     def add(self, deviation_mm: Any) -> None:

@@ -73,12 +73,14 @@ def path_picture(
     axes: tuple[str, str] = ("X", "Y"),
     signed_um: NDArray[Any] | None = None,
     magnify: float | None = None,
+    shown: NDArray[np.bool_] | None = None,
 ) -> Image:
     """The path (n, 2) in mm as an image (height, width, 3); a millimetre is as long across as up.
 
     Each piece has the colour of the deviation at its end; rapids are thin. With `signed_um` (+ = left of the
     direction of motion) the programmed path is thin too, and the driven one is drawn beside it, its deviation
-    `magnify` times as large (default: what can just be seen well); the factor is printed.
+    `magnify` times as large (default: what can just be seen well); the factor is printed. `shown` is False at the
+    vertices that no piece of the path leads to, as in a polyline of which blocks were left out.
     """
     width, height = size
     image: Image = np.full((height, width, 3), BACKGROUND, np.uint8)
@@ -86,15 +88,16 @@ def path_picture(
         return image
     frame = Frame.around(points, width, height)
     _ruler(image, frame, axes)
+    there = np.ones(len(points), bool) if shown is None else shown
     drawn, factor = points, 0.0
     if signed_um is not None:
         factor = magnify or magnification(signed_um, min(width, height) * MAGNIFIED_SHARE / frame.scale)
         drawn = magnified(points, np.asarray(signed_um, dtype=np.float64) * 1e-3, factor)
-        _draw(image, frame, points, np.ones(len(points), bool), TODO, 1)
-    _draw(image, frame, points, rapid, TODO, 1)
+        _draw(image, frame, points, there, TODO, 1)
+    _draw(image, frame, points, rapid & there, TODO, 1)
     grade = grades(deviation_um, limit_um)
     for value, (colour, thickness) in enumerate(PENS):
-        _draw(image, frame, drawn, (grade == value) & ~rapid, colour, thickness)
+        _draw(image, frame, drawn, (grade == value) & ~rapid & there, colour, thickness)
     _scale_bar(image, frame.scale)
     _legend(image, limit_um, factor)
     return image

@@ -13,7 +13,7 @@ from cnc_front import VERSION
 from cnc_front.messages import text
 from cnc_front.outputs import REPORT_FILE, REPORT_MARK
 from cnc_front.recording import VOLATILE
-from cnc_front.report.data import ReportInput, block_table, findings, plot_data, statistics, worst_vertices
+from cnc_front.report.data import ReportInput, block_table, findings, gaps, plot_data, statistics, worst_vertices
 from cnc_front.report.words import WORDS
 
 SCHEMA = "cnc-front/report/1"
@@ -104,12 +104,13 @@ def _write_pictures(report: ReportInput, folder: Path) -> None:
     points, rapid = report.polyline["points"], report.polyline["rapid"]
     limit_um = report.run["verdict"]["tolerance_mm"] * 1e3
     deviation_um, signed_um = report.plot_deviation_mm * 1e3, report.plot_signed_mm * 1e3
+    shown = ~gaps(report)
     for name, (a, b) in views(report.axes).items():
         plane, axes = points[:, [a, b]], (report.axes[a], report.axes[b])
-        picture = path_picture(plane, rapid, deviation_um, limit_um, axes=axes)
+        picture = path_picture(plane, rapid, deviation_um, limit_um, axes=axes, shown=shown)
         write_png(folder / f"path-{name.lower()}.png", picture)
         if (a, b) == (0, 1):  # the plane in which deviations have a sign
-            picture = path_picture(plane, rapid, deviation_um, limit_um, axes=axes, signed_um=signed_um)
+            picture = path_picture(plane, rapid, deviation_um, limit_um, axes=axes, shown=shown, signed_um=signed_um)
             write_png(folder / f"path-{name.lower()}-magnified.png", picture)
 
 

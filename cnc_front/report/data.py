@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 #: Vertices of the path picture and rows of the block table inside the HTML; everything is in blocks.csv.
-PLOT_POINTS = 40_000
+#: The vertices are for 3 axes, fewer with more, so that the page stays under 20 MiB.
+PLOT_POINTS = 250_000
 HTML_BLOCKS = 3_000
 HTML_EVENTS = 1_000
 #: Worst blocks listed at the top.
@@ -111,6 +112,18 @@ def worst_vertices(report: ReportInput) -> NDArray[np.int64]:
     return np.array([a + int(deviation[a:b].argmax()) for a, b in pieces], dtype=np.int64)
 
 
+def gaps(report: ReportInput) -> NDArray[np.bool_]:
+    """True at the vertices before which blocks were left out of the polyline (of a very long program): between
+    them and the vertex before lies no piece of the path, so nothing may be drawn there."""
+    s_mm, begin = report.polyline["s_mm"], report.blocks["s0_mm"]
+    if len(s_mm) < 2:
+        return np.zeros(len(s_mm), dtype=np.bool_)
+    inset = np.diff(s_mm) * 1e-3
+    first = np.searchsorted(begin, s_mm[:-1] + inset, side="right")
+    last = np.searchsorted(begin, s_mm[1:] - inset, side="right")
+    return np.concatenate([[False], first != last])
+
+
 def findings(report: ReportInput, rows: list[dict[str, Any]], vertices: NDArray[np.int64]) -> list[dict[str, Any]]:
     """The blocks with the largest deviation, worst first, with the place of it (to a vertex of the plotted path)."""
     order = sorted(range(len(rows)), key=lambda k: -(rows[k]["max_um"] or 0.0))[:FINDINGS]
@@ -189,6 +202,7 @@ def plot_data(report: ReportInput, rows: list[dict[str, Any]], vertices: NDArray
             "points": np.round(line["points"], 4).T.tolist(),
             "lines": line["lines"].tolist(),
             "rapid": line["rapid"].astype(int).tolist(),
+            "gap": gaps(report).astype(int).tolist(),
             "sMm": np.round(line["s_mm"], 3).tolist(),
             "um": [finite(float(v)) for v in report.plot_deviation_mm.astype(np.float64) * 1e3],
             "signedUm": [brief(float(v)) for v in report.plot_signed_mm.astype(np.float64) * 1e3],

@@ -1,7 +1,8 @@
 /* The path in two axes, coloured by deviation; the deviation drawn beside it, magnified. */
 function pathView(canvas, onPick) {
-  const { points, lines, rapid, um, signedUm } = data.path, n = lines.length;
-  const hover = document.getElementById("path-hover"), help = hover.textContent;
+  const { points, lines, rapid, um, signedUm, gap } = data.path, n = lines.length;
+  const hover = document.getElementById("path-hover"), help = hover.textContent + (data.path.gap.includes(1) ? " " + words.thinned : "");
+  hover.textContent = help;
   const magnify = document.getElementById("magnify"), rapids = document.getElementById("rapids"), views = document.getElementById("views");
   const pairs = [];
   for (let a = 0; a < Math.min(3, points.length); a++) for (let b = a + 1; b < Math.min(3, points.length); b++) pairs.push([a, b]);
@@ -22,7 +23,7 @@ function pathView(canvas, onPick) {
         c.setLineDash(fast ? [3, 5] : []);
         if (fast && name === "good") { c.strokeStyle = colour("todo"); c.lineWidth = 1; }
         c.beginPath();
-        for (let i = 1; i < n; i++) if (rapid[i] === fast && shown(i) && grade(um[i]) === name) { c.moveTo(...screen(i - 1)); c.lineTo(...screen(i)); }
+        for (let i = 1; i < n; i++) if (!gap[i] && rapid[i] === fast && shown(i) && grade(um[i]) === name) { c.moveTo(...screen(i - 1)); c.lineTo(...screen(i)); }
         c.stroke();
       }
     }
@@ -34,7 +35,7 @@ function pathView(canvas, onPick) {
     let last = null;
     for (let i = 1; i < n; i++) {
       const off = signedUm[i];
-      if (off === null || rapid[i] || view !== pairs[0]) { last = null; continue; }
+      if (off === null || gap[i] || rapid[i] || view !== pairs[0]) { last = null; continue; }
       const [x0, y0] = screen(i - 1), [x1, y1] = screen(i), l = Math.hypot(x1 - x0, y1 - y0), d = off / 1000 * factor * scale;
       if (l < 1e-9) continue;
       const p = [x1 + (y1 - y0) / l * d, y1 - (x1 - x0) / l * d];
@@ -77,8 +78,9 @@ function pathView(canvas, onPick) {
     button.onclick = () => { view = pair; for (const other of views.children) other.setAttribute("aria-pressed", other === button); again(); };
     views.append(button);
   }
-  const worst = Math.max(1e-6, ...signedUm.map((v) => Math.abs(v ?? 0))), size = Math.hypot(...[0, 1].map((a) => points[a] && n ? data.extents[a][1] - data.extents[a][0] : 0));
-  const proper = [1, 10, 100, 1000, 10000].reduce((a, b) => worst / 1000 * b < size / 25 ? b : a, 1);
+  const worst = signedUm.reduce((most, v) => Math.max(most, Math.abs(v ?? 0)), 1e-6), size = Math.hypot(...[0, 1].map((a) => points[a] && n ? data.extents[a][1] - data.extents[a][0] : 0));
+  // where the path is dense, magnified deviations would cover it: the reader switches them on after zooming in
+  const proper = n > 20000 ? 0 : [1, 10, 100, 1000, 10000].reduce((a, b) => worst / 1000 * b < size / 25 ? b : a, 1);
   for (const factor of [0, 10, 100, 1000, 10000]) { const o = document.createElement("option"); o.value = factor; o.textContent = factor ? "x" + factor : words.off; o.selected = factor === proper; magnify.append(o); }
   magnify.onchange = rapids.onchange = redraw;
   canvas.addEventListener("dblclick", again);

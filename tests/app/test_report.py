@@ -10,11 +10,13 @@ import subprocess
 from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from cnc_front.recording import open_recording
+from cnc_front.report.data import gaps
 from tests.app.conftest import ROOT, Cli
 
 BRACKET = ROOT / "examples/jobs/bracket.nc"
@@ -123,6 +125,13 @@ def test_findings_name_the_worst_blocks_and_their_places(reported: tuple[Path, d
     page = Page((folder / "run/report.html").read_text(encoding="utf-8"))
     vertex = json.loads(page.texts["data"])["path"]["lines"][worst["vertex"]]
     assert vertex == worst["line"]
+
+
+def test_nothing_is_drawn_where_blocks_were_left_out() -> None:
+    points, begin = np.zeros((6, 3)), np.array([0.0, 10.0, 10.0, 30.0, 40.0])
+    s_mm = np.array([0.0, 5.0, 10.0, 40.0, 50.0, 60.0])  # the blocks from 10 to 40 mm were left out
+    report = SimpleNamespace(polyline={"points": points, "s_mm": s_mm}, blocks={"s0_mm": begin})
+    assert gaps(report).tolist() == [False, False, False, True, False, False]  # type: ignore[arg-type]
 
 
 def test_statistics_agree_with_the_samples(reported: tuple[Path, dict]) -> None:
