@@ -6,6 +6,7 @@ import argparse
 import json
 import os
 import sys
+from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
@@ -34,10 +35,29 @@ def _print_diagnostics(diagnostics: tuple[Diagnostic, ...], options: argparse.Na
             print(diagnostic, file=sys.stderr)
 
 
+#: Warnings of one id that `run` and `translate` print in full; `check` names every one.
+PER_ID = 5
+
+
+def _print_warnings(warnings: tuple[Diagnostic, ...], options: argparse.Namespace) -> None:
+    """The first warnings of each id, then how many more there are: a flood hides what matters."""
+    counts = Counter(warning.id for warning in warnings)
+    shown: Counter[str] = Counter()
+    for warning in () if options.quiet else warnings:
+        shown[warning.id] += 1
+        if shown[warning.id] <= PER_ID:
+            print(warning, file=sys.stderr)
+        elif shown[warning.id] == counts[warning.id]:
+            more = text(
+                "more_warnings", language_from(options.lang), which=warning.id, count=counts[warning.id] - PER_ID
+            )
+            print(f"{warning.file}: {more}", file=sys.stderr)
+
+
 def _load(path: str, options: argparse.Namespace) -> CompiledJob:
     machine = load_machine(options.machine, path)
     job = compile_job(read_job(path, options.language), machine, _compile_options(options))
-    _print_diagnostics(job.warnings, options)
+    _print_warnings(job.warnings, options)
     return job
 
 
@@ -72,7 +92,7 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
             args = (options.job, loaded.source, options.machine, loaded.machine, error.diagnostics)
             print(json.dumps(failed_object(*args), allow_nan=False))
         return Exit.BAD_INPUT
-    _print_diagnostics(job.warnings, options)
+    _print_warnings(job.warnings, options)
     from cnc_front.deliver import run_and_write
 
     result, verdict, run_object = run_and_write(job, run_options, options.tolerance, record, report, language)

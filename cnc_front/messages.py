@@ -57,6 +57,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     "builtin": ("built-in", "eingebaut"),
     "check_ok": ("{path}: no errors, {warnings} warnings", "{path}: keine Fehler, {warnings} Warnungen"),
     "check_bad": ("{path}: {errors} errors, {warnings} warnings", "{path}: {errors} Fehler, {warnings} Warnungen"),
+    "more_warnings": (
+        "{count} more {which} (cnc-front check names them all)",
+        "{count} weitere {which} (cnc-front check nennt alle)",
+    ),
     "hint": ("hint", "Hinweis"),
     "log_event": ("{t_s:10.3f} s  line {line}: {kind} {text}", "{t_s:10.3f} s  Zeile {line}: {kind} {text}"),
 }

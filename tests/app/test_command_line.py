@@ -185,3 +185,12 @@ def test_module_and_script_are_the_same(cli: Cli) -> None:
         pytest.skip("cnc-front is not installed beside this interpreter")
     done = subprocess.run([script, "--version"], capture_output=True, text=True, cwd=os.sep, check=True)
     assert done.stdout == cli("--version").out
+
+
+def test_a_flood_of_warnings_is_counted(cli: Cli, job: Callable[..., Path]) -> None:
+    part = job("G1 X1 F600\n" + "G90 G90 X2\n" * 20 + "M30\n")
+    ran = cli("run", part)
+    assert ran.code == 0
+    assert ran.err.count("GW913:") == 5 and "15 more GW913" in ran.err
+    assert cli("check", part).err.count("GW913:") == 20, "check names every one"
+    assert "GW913" not in cli("run", part, "-q").err
