@@ -1,4 +1,4 @@
-//! Reads a recording and writes its samples again: `cargo run --release -p recording --example bench -- RUN.mcap`.
+//! Reads a recording and writes its samples again: `cargo run --release -p recording --example record_speed -- RUN.mcap`.
 //! Prints seconds and megabytes of columns per second, both ways, on one core.
 
 use std::time::Instant;
