@@ -34,24 +34,23 @@ class Parser(argparse.ArgumentParser):
         raise UsageError(f"{message} (see {self.prog} --help)")
 
 
-def _seconds(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0 < value < 1e9:
-        raise argparse.ArgumentTypeError(f"'{text}' is no positive number of seconds")
-    return value
+def _positive(highest: float, what: str) -> Callable[[str], float]:
+    """A reader of numbers above 0 and below `highest`; what is none is called no `what`."""
+
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = -1.0
+        if not 0 < value < highest:
+            raise argparse.ArgumentTypeError(f"'{text}' is no {what}")
+        return value
+
+    return read
 
 
-def _millimetres(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0 < value < 1e6:
-        raise argparse.ArgumentTypeError(f"'{text}' is no positive length in mm")
-    return value
+_seconds = _positive(1e9, "positive number of seconds")
+_millimetres = _positive(1e6, "positive length in mm")
 
 
 def _level(text: str) -> int:
