@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
-from gcode.compiler import CompileError, Diagnostic, Program, compile
+from gcode.compiler import CompileError, Program, compile
+from motion_kernel import Diagnostic
 
 __all__ = ["CompileError", "Diagnostic", "Program", "compile"]

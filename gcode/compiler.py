@@ -6,33 +6,12 @@ import json
 from collections.abc import Iterable, Iterator
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from numpy.typing import NDArray
 
 from cnc_front._native import gcode as native
-from motion_kernel import Machine
-
-
-class Diagnostic(NamedTuple):
-    """One finding. Lines and columns count from 1; ids starting with GW are warnings."""
-
-    file: str
-    line: int
-    column: int
-    end_column: int
-    id: str
-    message: str
-    hint: str
-
-    @property
-    def is_warning(self) -> bool:
-        """Warnings do not keep a program from being compiled."""
-        return self.id.startswith("GW")
-
-    def __str__(self) -> str:
-        hint = f"\n  hint: {self.hint}" if self.hint else ""
-        return f"{self.file}:{self.line}:{self.column}: {self.id}: {self.message}{hint}"
+from motion_kernel import Diagnostic, Machine
 
 
 class CompileError(Exception):

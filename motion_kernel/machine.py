@@ -10,7 +10,7 @@ from cnc_front._native import motion_kernel as native
 
 
 class Diagnostic(NamedTuple):
-    """One finding of the machine file reader. Lines and columns count from 1."""
+    """One finding in a machine file or a part program. Lines and columns count from 1; GW ids are warnings."""
 
     file: str
     line: int
@@ -19,6 +19,11 @@ class Diagnostic(NamedTuple):
     id: str
     message: str
     hint: str
+
+    @property
+    def is_warning(self) -> bool:
+        """Warnings do not keep a program from being compiled."""
+        return self.id.startswith("GW")
 
     def __str__(self) -> str:
         hint = f"\n  hint: {self.hint}" if self.hint else ""
