@@ -25,6 +25,7 @@ pub mod position_loop;
 pub mod profile;
 pub mod qualifiers;
 pub mod registers;
+pub mod sap;
 pub mod spooler;
 pub mod status;
 pub mod tasks;
