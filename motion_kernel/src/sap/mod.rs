@@ -4,7 +4,7 @@
 //!
 //! - [`tables`] holds every predefined name: system parameters, axis qualifiers, bits, functions, commands, events.
 //!   Compiler, controller and documentation read the same lines.
-//! - [`code::Program`] is the compiled program. Its code is register code: each instruction names the slots it reads
+//! - [`program::Program`] is the compiled program. Its code is register code: each instruction names the slots it reads
 //!   and writes. A [`code::Slot`] with bit 15 set is global, any other belongs to the frame of the running routine.
 //! - A slot holds 64 bits: Integer as sign-extended i32, Timer as zero-extended u32, Boolean as 0 or 1, Single and
 //!   Double as the bits of an f64 (a Single is rounded when stored: [`code::Instr::RoundS`]). Literals are globals with
@@ -19,4 +19,5 @@
 //! - [`verify::verify`] accepts only what cannot harm the controller; the machine checks the rest as it runs (table 40).
 
 pub mod code;
+pub mod program;
 pub mod tables;
