@@ -10,8 +10,8 @@
 //!   Double as the bits of an f64 (a Single is rounded when stored: [`code::Instr::RoundS`]). Literals are globals with
 //!   an initial value, axis names and AXIS variables are globals holding the axis number: `A1.an` is that slot.
 //! - The main program is routine 0; its variables are globals. A call puts the arguments into the slots of the caller's
-//!   frame from `base` on, where the callee finds them as its slots 0, 1, ...; a function leaves its result in its
-//!   slot 0 (so `base` of the caller). The rest of a new frame is 0.
+//!   frame from `base` on: a procedure finds them as its slots 0, 1, ...; a function has its result in slot 0 and its
+//!   parameters from slot 1 on, so the caller finds the result in `base`. The result and the rest of a new frame are 0.
 //! - Each statement begins with [`code::Instr::Statement`]: there the task counts its share of the sample, serves
 //!   events, steps and breaks. Temporaries do not live across it, loop bounds do.
 //! - A conditional instruction (`If...`) executes the instruction behind it, a jump, when its condition is **false**,
@@ -21,3 +21,4 @@
 pub mod code;
 pub mod program;
 pub mod tables;
+pub mod verify;

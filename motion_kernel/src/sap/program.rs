@@ -15,10 +15,18 @@ pub struct Operand {
 pub struct Routine {
     pub name: String,
     pub entry: Address,
-    /// Slots of its frame: parameters, result, locals and temporaries.
+    /// Slots of its frame: result, parameters, locals and temporaries.
     pub frame: u16,
-    /// Parameters stand in its slots 0, 1, ...
     pub parameters: u16,
+    /// A function has its result in slot 0 and its parameters behind it; a procedure has parameters from slot 0 on.
+    pub function: bool,
+}
+
+impl Routine {
+    /// Slots that lie in the caller's frame too: the result and the parameters.
+    pub const fn given(&self) -> u16 {
+        self.parameters + self.function as u16
+    }
 }
 
 /// A variable as the debugger shows it.

@@ -1,0 +1,217 @@
+//! What a program must fulfil before a task may execute it: nothing it names lies outside of it.
+
+use super::code::{Instr, MOST_FRAME, MOST_GLOBALS, Slot};
+use super::program::{Program, Routine};
+use super::tables::Type;
+
+/// Why a program is refused.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// Address of the instruction; none where the program as a whole is wrong.
+    pub address: Option<u32>,
+    pub reason: &'static str,
+}
+
+impl std::fmt::Display for Refusal {
+    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self.address {
+            Some(address) => write!(out, "instruction {address}: {}", self.reason),
+            None => out.write_str(self.reason),
+        }
+    }
+}
+
+/// Checks a program: slots, jumps, calls, pools. Each routine's code must be one piece that cannot be left at its end.
+pub fn verify(program: &Program) -> Result<(), Refusal> {
+    whole(program).map_err(|reason| Refusal { address: None, reason })?;
+    let mut order: Vec<&Routine> = program.routines.iter().collect();
+    order.sort_by_key(|r| r.entry);
+    for (n, routine) in order.iter().enumerate() {
+        let end = order.get(n + 1).map_or(program.code.len() as u32, |next| next.entry);
+        let piece = Piece { program, routine, end };
+        for address in routine.entry..end {
+            piece.instruction(address).map_err(|reason| Refusal { address: Some(address), reason })?;
+        }
+        let last = program.code.get(end as usize - 1);
+        if !matches!(last, Some(Instr::Return | Instr::Jump(_) | Instr::Abort)) {
+            return Err(Refusal { address: Some(end - 1), reason: "a routine has no end" });
+        }
+    }
+    Ok(())
+}
+
+fn whole(program: &Program) -> Result<(), &'static str> {
+    let Program { code, lines, routines, globals, events, .. } = program;
+    let entries = |r: &Routine| (r.entry as usize) < code.len();
+    let mut sorted: Vec<u32> = routines.iter().map(|r| r.entry).collect();
+    sorted.sort_unstable();
+    let handlers = events.iter().flatten();
+    let files = lines.iter().all(|(file, _)| usize::from(*file) < program.files.len());
+    let rules = [
+        (!routines.is_empty(), "there is no main program"),
+        (routines.iter().all(entries), "a routine begins outside the code"),
+        (sorted.first() == Some(&0), "code before the first routine"),
+        (sorted.windows(2).all(|pair| pair[0] < pair[1]), "two routines begin at one address"),
+        (lines.len() == code.len(), "the line table does not fit the code"),
+        (files, "a line of an unknown file"),
+        (globals.len() <= MOST_GLOBALS, "too many globals"),
+        (program.task.is_none_or(|t| t < 4), "the task number is not 0 to 3"),
+        (routines.iter().all(|r| usize::from(r.frame) <= MOST_FRAME), "a routine needs too large a frame"),
+        (routines.iter().all(|r| r.given() <= r.frame), "a frame is smaller than its parameters"),
+        (
+            handlers.clone().all(|&n| routines.get(usize::from(n)).is_some_and(|r| r.given() == 0)),
+            "an event handler is no procedure without parameters",
+        ),
+    ];
+    rules.iter().find(|(ok, _)| !ok).map_or(Ok(()), |(_, reason)| Err(*reason))
+}
+
+/// The code of one routine.
+struct Piece<'p> {
+    program: &'p Program,
+    routine: &'p Routine,
+    end: u32,
+}
+
+impl Piece<'_> {
+    fn instruction(&self, address: u32) -> Result<(), &'static str> {
+        let instr = self.program.code[address as usize];
+        if slots(instr).iter().flatten().any(|s| !self.holds(*s)) {
+            return Err("a slot outside globals and frame");
+        }
+        match instr {
+            Instr::Jump(to) | Instr::JumpIfNot(_, to) => self.jump(to),
+            Instr::IfEqI(..)
+            | Instr::IfNeI(..)
+            | Instr::IfLtI(..)
+            | Instr::IfLeI(..)
+            | Instr::IfEqD(..)
+            | Instr::IfNeD(..)
+            | Instr::IfLtD(..)
+            | Instr::IfLeD(..)
+            | Instr::NextUp(..)
+            | Instr::NextDown(..) => self.before_jump(address),
+            Instr::Call(number, base) => self.call(number, base),
+            Instr::Do(_, list) | Instr::AwaitEnd(_, list) => self.list(list),
+            Instr::WriteText(text) if text as usize >= self.program.texts.len() => Err("an unknown text"),
+            Instr::Task(_, number) if number > 3 => Err("the task number is not 0 to 3"),
+            Instr::Azo(set) if set > 4 => Err("the set of zero offsets is not 0 to 4"),
+            Instr::ReadAxisBit(_, bit, ..) | Instr::WriteAxisBit(_, bit, ..) if !(1..=32).contains(&bit) => {
+                Err("the bit number is not 1 to 32")
+            }
+            Instr::ReadBuffer(Type::Boolean | Type::Timer, ..)
+            | Instr::WriteBuffer(Type::Boolean | Type::Timer, ..) => {
+                Err("the common buffer holds Integer, Single and Double")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn holds(&self, slot: Slot) -> bool {
+        let room = if slot.is_global() { self.program.globals.len() } else { usize::from(self.routine.frame) };
+        slot.index() < room
+    }
+    fn jump(&self, to: u32) -> Result<(), &'static str> {
+        if (self.routine.entry..self.end).contains(&to) { Ok(()) } else { Err("a jump leaves its routine") }
+    }
+    fn before_jump(&self, address: u32) -> Result<(), &'static str> {
+        let next = (address + 1 < self.end).then(|| self.program.code[address as usize + 1]);
+        if matches!(next, Some(Instr::Jump(_))) { Ok(()) } else { Err("a condition without its jump") }
+    }
+    fn call(&self, number: u16, base: u16) -> Result<(), &'static str> {
+        let Some(callee) = self.program.routines.get(usize::from(number)) else { return Err("an unknown routine") };
+        // the caller writes the parameters and reads the result in its own frame
+        let reach = usize::from(base) + usize::from(callee.given());
+        if number == 0 {
+            return Err("the main program cannot be called");
+        }
+        if reach <= usize::from(self.routine.frame) { Ok(()) } else { Err("the parameters lie outside the frame") }
+    }
+    fn list(&self, list: u32) -> Result<(), &'static str> {
+        let Some(list) = self.program.lists.get(list as usize) else { return Err("an unknown list of axes") };
+        let ok = list.iter().all(|o| self.holds(o.axis) && self.holds(o.value));
+        if ok { Ok(()) } else { Err("a slot outside globals and frame") }
+    }
+}
+
+/// The slots that an instruction names itself.
+fn slots(instr: Instr) -> [Option<Slot>; 3] {
+    use Instr::*;
+    match instr {
+        AddI(a, b, c)
+        | SubI(a, b, c)
+        | MulI(a, b, c)
+        | DivI(a, b, c)
+        | ModI(a, b, c)
+        | ShlI(a, b, c)
+        | ShrI(a, b, c)
+        | And(a, b, c)
+        | Or(a, b, c)
+        | Xor(a, b, c)
+        | AddD(a, b, c)
+        | SubD(a, b, c)
+        | MulD(a, b, c)
+        | DivD(a, b, c)
+        | AddT(a, b, c)
+        | SubT(a, b, c)
+        | EqI(a, b, c)
+        | NeI(a, b, c)
+        | LtI(a, b, c)
+        | LeI(a, b, c)
+        | EqD(a, b, c)
+        | NeD(a, b, c)
+        | LtD(a, b, c)
+        | LeD(a, b, c)
+        | EqT(a, b, c)
+        | NeT(a, b, c)
+        | LtT(a, b, c)
+        | LeT(a, b, c)
+        | Power(a, b, c)
+        | ReadAxisVar(_, a, b, c)
+        | WriteAxisVar(_, a, b, c) => [Some(a), Some(b), Some(c)],
+        Copy(a, b)
+        | NegI(a, b)
+        | NotI(a, b)
+        | NotB(a, b)
+        | NegD(a, b)
+        | ItoD(a, b)
+        | TtoD(a, b)
+        | DtoI(a, b)
+        | TtoI(a, b)
+        | ItoT(a, b)
+        | ItoB(a, b)
+        | DtoB(a, b)
+        | RoundS(a, b)
+        | IfEqI(a, b)
+        | IfNeI(a, b)
+        | IfLtI(a, b)
+        | IfLeI(a, b)
+        | IfEqD(a, b)
+        | IfNeD(a, b)
+        | IfLtD(a, b)
+        | IfLeD(a, b)
+        | NextUp(a, b)
+        | NextDown(a, b)
+        | Math(_, a, b)
+        | ReadSysVar(_, a, b)
+        | WriteSysVar(_, a, b)
+        | ReadAxis(_, a, b)
+        | WriteAxis(_, a, b)
+        | ReadAxisBit(_, _, a, b)
+        | WriteAxisBit(_, _, a, b)
+        | ReadBuffer(_, a, b)
+        | WriteBuffer(_, a, b) => [Some(a), Some(b), None],
+        Clear(a)
+        | JumpIfNot(a, _)
+        | ReadSystem(_, a)
+        | WriteSystem(_, a)
+        | ReadCi(a, _)
+        | WriteCi(a, _)
+        | ReadCd(a, _)
+        | WriteCd(a, _)
+        | Wait(a)
+        | WriteValue(_, a) => [Some(a), None, None],
+        Statement(_) | Jump(_) | Call(..) | Return | Do(..) | AwaitEnd(..) | Task(..) | Azo(_) | Enable(_)
+        | Disable(_) | Stop | Abort | WriteText(_) | Writeln => [None; 3],
+    }
+}
