@@ -1,7 +1,9 @@
 //! The four CNC tasks (chapter 3.2.1): the virtual machine that executes autocode.
 
+mod output;
 mod vm;
 
+pub use output::{Output, STRING};
 pub use vm::{Task, TaskState, TaskStatus, runtime_error};
 
 use crate::mcu::{Mcu, TASKS};
@@ -34,7 +36,15 @@ impl Mcu {
     }
     /// What the tasks wrote with write and writeln since the last call.
     pub fn take_output(&mut self, task: usize) -> String {
-        std::mem::take(&mut self.tasks[task].output)
+        self.tasks[task].output.take_all()
+    }
+    /// State of the output string of a task (gettskinfo, 4.4.13): bit 0 unfinished, bit 1 finished.
+    pub fn gettskinfo(&self, task: usize) -> u32 {
+        self.tasks[task].output.info()
+    }
+    /// The output string of a task (gettskstr, 4.4.14), at most 512 bytes. Reading it clears both bits of tskinfo.
+    pub fn gettskstr(&mut self, task: usize) -> String {
+        self.tasks[task].output.take_string()
     }
 
     /// All tasks, in equal shares (design D4).

@@ -6,6 +6,7 @@ use crate::functions::Entered;
 use crate::mcu::Mcu;
 use crate::motion::MotionCommand;
 use crate::spooler::{BYTES_FUNCTION, SpoolState};
+use crate::tasks::Output;
 use std::sync::Arc;
 
 /// Runtime errors (6.8, table 40; ours from 1000 on).
@@ -34,8 +35,6 @@ pub mod runtime_error {
 /// Values and return addresses that a task can hold, and the local slots it has.
 const STACK: usize = 256;
 const LOCALS: usize = 256;
-/// Output is cut at this size until the application takes it.
-const OUTPUT: usize = 64 * 1024;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TaskState {
@@ -98,7 +97,7 @@ pub struct Task {
     step_line: Option<u32>,
     error: Option<RuntimeError>,
     told: bool,
-    pub(crate) output: String,
+    pub(crate) output: Output,
 }
 
 impl Task {
@@ -108,7 +107,7 @@ impl Task {
             stack: Vec::with_capacity(STACK),
             calls: Vec::with_capacity(STACK),
             locals: vec![0.0; LOCALS],
-            output: String::with_capacity(OUTPUT),
+            output: Output::reserved(),
             ..Task::default()
         };
     }
@@ -259,10 +258,10 @@ impl Task {
             Instr::Jump(_) | Instr::JumpIfZero(_) | Instr::Call(_) | Instr::Return => return self.jump(instr, program),
             Instr::WriteText(n) => {
                 let text = program.texts.get(n as usize).ok_or(runtime_error::BAD_ADDRESS)?;
-                self.write(text);
+                self.output.append(text);
             }
             Instr::WriteValue => self.write_value()?,
-            Instr::Writeln => self.write("\n"),
+            Instr::Writeln => self.output.close(),
             Instr::Binary(_) | Instr::Negate | Instr::Not => self.calculate(instr)?,
         }
         Ok(Flow::Next)
@@ -390,17 +389,10 @@ impl Task {
     fn pop(&mut self) -> Result<f64, u32> {
         self.stack.pop().ok_or(runtime_error::STACK_UNDERFLOW)
     }
-    fn write(&mut self, text: &str) {
-        if self.output.len() + text.len() <= OUTPUT {
-            self.output.push_str(text);
-        }
-    }
     fn write_value(&mut self) -> Result<(), u32> {
         use std::fmt::Write;
         let value = self.pop()?;
-        if self.output.len() + 32 <= OUTPUT {
-            let _ = write!(self.output, "{value}"); // writing to a String cannot fail
-        }
+        let _ = write!(self.output, "{value}"); // cannot fail
         Ok(())
     }
 }
