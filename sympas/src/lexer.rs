@@ -36,7 +36,13 @@ pub struct Scanned {
 }
 
 /// Scans `text` and everything that it includes.
-pub fn scan(name: &str, bytes: &[u8], loader: &mut dyn Loader, sources: &mut Sources, reports: &mut Reports) -> Scanned {
+pub fn scan(
+    name: &str,
+    bytes: &[u8],
+    loader: &mut dyn Loader,
+    sources: &mut Sources,
+    reports: &mut Reports,
+) -> Scanned {
     let mut lexer = Lexer { loader, sources, reports, out: Scanned::default(), files: Vec::new(), total: 0 };
     lexer.open(name.to_owned(), bytes, Span { line: 1, column: 1, ..Span::default() });
     while !lexer.files.is_empty() {
@@ -207,7 +213,11 @@ impl Lexer<'_> {
         cursor.skip_while(is_word);
         let text = &cursor.text[from..cursor.at];
         let digits = text.trim_start_matches('0');
-        let bits = if digits.len() > 16 { Ok(u64::MAX) } else { u64::from_str_radix(if digits.is_empty() { "0" } else { digits }, 16) };
+        let bits = if digits.len() > 16 {
+            Ok(u64::MAX)
+        } else {
+            u64::from_str_radix(if digits.is_empty() { "0" } else { digits }, 16)
+        };
         let problem = match bits {
             _ if text.is_empty() => Some(Fault::new(Id::SP106, cursor.since(start))),
             _ if !text.bytes().all(|b| b.is_ascii_hexdigit()) => {
@@ -302,7 +312,9 @@ impl Lexer<'_> {
         let argument = body[name.len()..].trim();
         let spaced = body[name.len()..].starts_with([' ', '\t']);
         let wrong = |what: [&str; 2]| {
-            Fault::new(Id::SP112, span).with(name.to_uppercase()).with(crate::diagnostics::Phrase::new(what[0], what[1]))
+            Fault::new(Id::SP112, span)
+                .with(name.to_uppercase())
+                .with(crate::diagnostics::Phrase::new(what[0], what[1]))
         };
         match name.to_ascii_uppercase().as_str() {
             "I" if spaced && !argument.is_empty() && !argument.contains('\n') => self.include(argument, span),

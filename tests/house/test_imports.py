@@ -23,11 +23,12 @@ OWN_NATIVE = {room: f"cnc_front._native.{room}" for room in MAY_IMPORT}
 MAY_DEPEND = {
     "motion_kernel": set(),
     "gcode": {"motion_kernel"},
+    "sympas": {"motion_kernel"},
     "toolpaths": set(),
     "cnc_front/recording": set(),
-    "cnc_front/native": {"motion_kernel", "gcode", "toolpaths", "recording"},
+    "cnc_front/native": {"motion_kernel", "gcode", "sympas", "toolpaths", "recording"},
 }
-CRATES = {"motion_kernel", "gcode", "toolpaths", "recording", "cnc_front_native"}
+CRATES = {"motion_kernel", "gcode", "sympas", "toolpaths", "recording", "cnc_front_native"}
 HEAVY = {"textual", "cv2", "scipy", "numpy", "mcap", "jinja2"}
 
 

@@ -1,0 +1,244 @@
+//! Program, blocks, declarations (5.3.1, 5.3.2, 5.3.6, 5.3.7).
+
+use motion_kernel::sap::tables::Type;
+
+use super::{Lost, Parse, Parser};
+use crate::ast::{Block, Constant, Item, Name, Program, Routine, TypeName};
+use crate::diagnostics::{Fault, Id, Phrase};
+use crate::token::{Keyword, Symbol, TokenKind};
+
+const NAME: [&str; 2] = ["a name", "ein Name"];
+
+/// The keywords that begin a declaration.
+pub(super) const DECLARATIONS: [Keyword; 5] =
+    [Keyword::Label, Keyword::Const, Keyword::Var, Keyword::Procedure, Keyword::Function];
+
+/// The type that a keyword names.
+pub(super) fn simple_type(keyword: Keyword) -> Option<Type> {
+    match keyword {
+        Keyword::Boolean => Some(Type::Boolean),
+        Keyword::Integer => Some(Type::Integer),
+        Keyword::Single => Some(Type::Single),
+        Keyword::Double => Some(Type::Double),
+        Keyword::Timer => Some(Type::Timer),
+        _ => None,
+    }
+}
+
+impl Parser<'_> {
+    pub(super) fn program(mut self) -> Program {
+        let heading = self.heading();
+        let mut items = Vec::new();
+        self.declarations(&mut items, true);
+        let mut body = Vec::new();
+        if self.eat_keyword(Keyword::Begin) {
+            body = self.main_body();
+        } else {
+            self.expected("'begin'");
+        }
+        let end = self.last_span();
+        if self.eat_symbol(Symbol::Point) {
+            if !self.at_end() {
+                let span = self.span();
+                self.report(Fault::new(Id::SW907, span));
+            }
+        } else if !self.reports.has_errors() {
+            self.report(Fault::new(Id::SP207, end));
+        }
+        Program { heading, block: Block { items, body, end } }
+    }
+    fn heading(&mut self) -> Option<Name> {
+        if !self.is_word("program") || self.symbol_at(1, Symbol::Assign) {
+            return None;
+        }
+        self.advance();
+        let name = self.expect_name(NAME).ok();
+        if name.is_none() || self.expect_symbol(Symbol::Semicolon).is_err() {
+            self.skip_declaration();
+        }
+        name
+    }
+    /// The statements between the first `begin` and the last `end`. An `end` too many is reported once.
+    fn main_body(&mut self) -> Vec<crate::ast::Statement> {
+        let mut body = Vec::new();
+        loop {
+            body.extend(self.sequence());
+            let end = self.span();
+            if self.expect_keyword(Keyword::End).is_err() || self.is_symbol(Symbol::Point) {
+                return body;
+            }
+            if self.at_end() || self.keyword().is_some_and(|k| DECLARATIONS.contains(&k)) {
+                return body;
+            }
+            self.report(Fault::new(Id::SP207, end));
+            self.eat_symbol(Symbol::Semicolon);
+        }
+    }
+    /// Declaration sections and, in the main program, routines, up to the `begin` of the block.
+    fn declarations(&mut self, items: &mut Vec<Item>, main: bool) {
+        loop {
+            if self.eat_symbol(Symbol::Semicolon) {
+                continue; // stray ones are ignored (6.7.2 prints one)
+            }
+            let result = match self.keyword() {
+                Some(Keyword::Begin) => return,
+                Some(Keyword::Label) => self.labels(items),
+                Some(Keyword::Const) => self.constants(items),
+                Some(Keyword::Var) => self.variables(items),
+                Some(Keyword::Procedure | Keyword::Function) => self.routine(items, main),
+                _ if self.at_end() => return,
+                _ => Err(self.stray()),
+            };
+            if result.is_err() {
+                self.skip_declaration();
+            }
+        }
+    }
+    /// Something that is no declaration stands among them.
+    fn stray(&mut self) -> Lost {
+        let statement = matches!(self.kind(), TokenKind::Name(_));
+        let goes_on = [Symbol::Assign, Symbol::Open, Symbol::Semicolon, Symbol::Point];
+        let span = self.span();
+        if statement && goes_on.iter().any(|s| self.symbol_at(1, *s)) {
+            return self.report(Fault::new(Id::SP210, span));
+        }
+        self.expected(Phrase::new("a declaration or 'begin'", "eine Deklaration oder 'begin'"))
+    }
+    /// Goes on behind the next `;`, or at the next section.
+    fn skip_declaration(&mut self) {
+        loop {
+            match self.keyword() {
+                Some(Keyword::Begin) => return,
+                Some(k) if DECLARATIONS.contains(&k) => return,
+                _ if self.at_end() || self.eat_symbol(Symbol::Semicolon) => return,
+                _ => self.advance(),
+            }
+        }
+    }
+    fn labels(&mut self, items: &mut Vec<Item>) -> Parse<()> {
+        self.advance();
+        items.push(Item::Labels(self.expect_names(["a label", "ein Label"])?));
+        self.expect_symbol(Symbol::Semicolon)
+    }
+    /// True where another entry of a const or var section begins.
+    fn more_entries(&self) -> bool {
+        matches!(self.kind(), TokenKind::Name(_))
+            && [Symbol::Equal, Symbol::Assign, Symbol::Comma, Symbol::Colon].iter().any(|s| self.symbol_at(1, *s))
+    }
+    fn constants(&mut self, items: &mut Vec<Item>) -> Parse<()> {
+        self.advance();
+        loop {
+            let item = self.constant();
+            match item {
+                Ok(constant) => items.push(Item::Constant(constant)),
+                Err(Lost) => self.skip_declaration(),
+            }
+            if !self.more_entries() {
+                return Ok(());
+            }
+        }
+    }
+    fn constant(&mut self) -> Parse<Constant> {
+        let at = self.at;
+        let name = self.expect_name(NAME)?;
+        let span = self.span();
+        if self.eat_symbol(Symbol::Assign) {
+            self.report(Fault::new(Id::SW901, span));
+        } else {
+            self.expect_symbol(Symbol::Equal)?;
+        }
+        let value = self.constant_value()?;
+        if !self.is_symbol(Symbol::Semicolon) && self.binary_operator().is_some() {
+            let span = self.span();
+            return Err(self.report(Fault::new(Id::SP209, span)));
+        }
+        self.expect_symbol(Symbol::Semicolon)?;
+        Ok(Constant { name, value, at })
+    }
+    fn variables(&mut self, items: &mut Vec<Item>) -> Parse<()> {
+        self.advance();
+        loop {
+            match self.variable_entry() {
+                Ok((names, kind)) => items.push(Item::Variables { names, kind }),
+                Err(Lost) => self.skip_declaration(),
+            }
+            if !self.more_entries() {
+                return Ok(());
+            }
+        }
+    }
+    fn variable_entry(&mut self) -> Parse<(Vec<Name>, TypeName)> {
+        let names = self.expect_names(NAME)?;
+        self.expect_symbol(Symbol::Colon)?;
+        let kind = self.type_name(true)?;
+        self.expect_symbol(Symbol::Semicolon)?;
+        Ok((names, kind))
+    }
+    fn type_name(&mut self, axis: bool) -> Parse<TypeName> {
+        let span = self.span();
+        let kind = self.keyword().and_then(simple_type);
+        if kind.is_some() || axis && self.is_word("axis") {
+            self.advance();
+            return Ok(TypeName { kind, span });
+        }
+        Err(self.expected(Phrase::new(
+            "a type (boolean, integer, single, double, timer)",
+            "ein Typ (boolean, integer, single, double, timer)",
+        )))
+    }
+    fn routine(&mut self, items: &mut Vec<Item>, main: bool) -> Parse<()> {
+        if !main {
+            let span = self.span();
+            self.report(Fault::new(Id::SP208, span));
+        }
+        let routine = self.routine_declaration()?;
+        if main {
+            items.push(Item::Routine(routine));
+        }
+        Ok(())
+    }
+    fn routine_declaration(&mut self) -> Parse<Routine> {
+        let function = self.is_keyword(Keyword::Function);
+        self.advance();
+        let name = self.expect_name(NAME)?;
+        let parameters = self.parameters()?;
+        let mut result = None;
+        if function {
+            self.expect_symbol(Symbol::Colon)?;
+            result = Some(self.type_name(false)?);
+        }
+        self.expect_symbol(Symbol::Semicolon)?;
+        if self.eat_keyword(Keyword::Forward) {
+            self.expect_symbol(Symbol::Semicolon)?;
+            return Ok(Routine { name, parameters, result, block: None });
+        }
+        let block = self.deeper(Self::routine_block)?;
+        self.expect_symbol(Symbol::Semicolon)?;
+        Ok(Routine { name, parameters, result, block: Some(block) })
+    }
+    fn parameters(&mut self) -> Parse<Vec<(Name, TypeName)>> {
+        let mut list = Vec::new();
+        if !self.eat_symbol(Symbol::Open) || self.eat_symbol(Symbol::Close) {
+            return Ok(list);
+        }
+        loop {
+            let names = self.expect_names(NAME)?;
+            self.expect_symbol(Symbol::Colon)?;
+            let kind = self.type_name(false)?;
+            list.extend(names.into_iter().map(|name| (name, kind)));
+            if !self.eat_symbol(Symbol::Semicolon) {
+                self.expect_symbol(Symbol::Close)?;
+                return Ok(list);
+            }
+        }
+    }
+    fn routine_block(&mut self) -> Parse<Block> {
+        let mut items = Vec::new();
+        self.declarations(&mut items, false);
+        self.expect_keyword(Keyword::Begin)?;
+        let body = self.sequence();
+        let end = self.span();
+        self.expect_keyword(Keyword::End)?;
+        Ok(Block { items, body, end })
+    }
+}
