@@ -22,6 +22,9 @@ impl Translator<'_> {
         self.used |= AXIS_LETTERS | mask("RQPKLF");
         let (pair, normal) = self.state.modal.plane.letters();
         let span = block.code_of(Group::Motion).map_or(block.span, |g| g.span);
+        if self.state.modal.cylinder.is_some() {
+            return Err(Fault::with(Id::GC321, span, &[&format!("G{}", crate::codes::number(code))]));
+        }
         if self.state.modal.feed_mode == FeedMode::InverseTime {
             return Err(Fault::new(Id::GC323, span));
         }

@@ -68,7 +68,6 @@ pub struct Dialect {
     pub nested_comments: bool,
     /// U V W without such axes are incremental X Y Z.
     pub uvw_incremental: bool,
-    pub look_ahead: bool,
     pub peck_clearance: f64,
     pub strict_m: bool,
 }
@@ -93,7 +92,6 @@ impl Dialect {
             keep_g92: own.keep_g92.unwrap_or(linuxcnc),
             nested_comments: own.nested_comments.unwrap_or(profile != Profile::Fanuc),
             uvw_incremental: own.uvw_incremental.unwrap_or(lathe),
-            look_ahead: machine.gcode.modereg & 1 != 0,
             peck_clearance: own.peck_clearance.unwrap_or(1.0),
             strict_m: own.strict_m.unwrap_or(false),
         }

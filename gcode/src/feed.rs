@@ -26,11 +26,11 @@ impl Lengths {
                 continue;
             }
             let d = to[slot] - from[slot];
-            if axis.rotary {
+            if axis.rotary && !axis.on_surface {
                 rotary += (d * axis.metric).powi(2);
                 degrees += d * d;
             } else {
-                linear += d * d;
+                linear += (d * axis.metric).powi(2);
             }
         }
         if let Some(circle) = circle {

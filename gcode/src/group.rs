@@ -23,6 +23,8 @@ pub struct GroupAxis {
     /// Path length per axis unit (design D7): 1, or effradius * pi / 180 for rotary axes.
     pub metric: f64,
     pub effradius: f64,
+    /// Cylinder mode (G07.1): the axis counts as a linear one of radius times angle.
+    pub on_surface: bool,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -50,6 +52,7 @@ impl ContourGroup {
                 reference: axis.reference,
                 metric: if rotary { axis.effradius.to_radians() } else { 1.0 },
                 effradius: axis.effradius,
+                on_surface: false,
             });
         }
         group
@@ -63,6 +66,11 @@ impl ContourGroup {
     #[inline]
     pub fn slot(&self, letter: u8) -> Option<usize> {
         self.slot[letter_index(letter)].map(usize::from)
+    }
+    /// Another effective radius of a rotary axis, mm; `on_surface`: as cylinder mode sets it.
+    pub fn set_radius(&mut self, slot: usize, radius: f64, on_surface: bool) {
+        let axis = &mut self.axes[slot];
+        (axis.effradius, axis.metric, axis.on_surface) = (radius, radius.to_radians(), on_surface);
     }
     pub fn set(&self) -> AxisSet {
         self.axes.iter().map(|a| a.axis).collect()

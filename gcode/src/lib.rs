@@ -13,6 +13,7 @@ mod catalogue;
 pub mod codes;
 pub mod correction;
 mod cycles;
+mod cylinder;
 pub mod diagnostics;
 pub mod dialect;
 pub mod expression;

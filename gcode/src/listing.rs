@@ -3,12 +3,19 @@
 use std::fmt::Write;
 
 use motion_kernel::autocode::{Instr, Move, Program};
-use motion_kernel::machine::{AxisKind, Machine};
+use motion_kernel::machine::Machine;
+
+use crate::sequence::Radii;
 
 /// One JSON object per command, in execution order.
 pub fn listing_json<'a>(program: &'a Program, machine: &'a Machine) -> impl Iterator<Item = String> + 'a {
+    let mut radii = Radii::new(machine);
     commands(program).flat_map(move |(line, instr)| match instr {
-        Instr::Spool(number) => vec![move_json(program, machine, line, &program.moves[number as usize])],
+        Instr::EffRadius(_) | Instr::Number(_) => {
+            radii.follow(&instr, program);
+            Vec::new()
+        }
+        Instr::Spool(number) => vec![move_json(program, machine, &radii, line, &program.moves[number as usize])],
         Instr::Ssf(number) => {
             let ssf = &program.ssfs[number as usize];
             let object = |axis: usize| {
@@ -27,7 +34,16 @@ pub fn listing_json<'a>(program: &'a Program, machine: &'a Machine) -> impl Iter
 
 /// A table: line, command, data.
 pub fn listing_text<'a>(program: &'a Program, machine: &'a Machine) -> impl Iterator<Item = String> + 'a {
+    let mut radii = Radii::new(machine);
     commands(program).filter_map(move |(line, instr)| match instr {
+        Instr::EffRadius(axis) if radii.follow(&instr, program) => {
+            let name = &machine.axes[usize::from(axis)].name;
+            Some(format!("{line:>6}  wrEffRadius  {name} {}", radii.now[usize::from(axis)]))
+        }
+        Instr::Number(_) => {
+            radii.follow(&instr, program);
+            None
+        }
         Instr::Spool(number) => Some(move_text(program, machine, line, &program.moves[number as usize])),
         Instr::Ssf(number) => {
             let ssf = &program.ssfs[number as usize];
@@ -70,14 +86,18 @@ fn axes_json(machine: &Machine, mut values: Vec<(usize, f64)>) -> String {
     format!("{{{}}}", items.join(","))
 }
 
-fn move_json(program: &Program, machine: &Machine, line: u32, mv: &Move) -> String {
+fn move_json(program: &Program, machine: &Machine, radii: &Radii, line: u32, mv: &Move) -> String {
     let axes = program.axes_of(mv);
-    let named = |values: &[f64]| axes_json(machine, axes.iter().zip(values.iter().copied()).collect());
+    let named = |values: &[f64]| {
+        let each = axes.iter().zip(values).map(|(a, v)| (a, radii.axis_unit(a, *v)));
+        axes_json(machine, each.collect())
+    };
     let mut out = format!(r#"{{"cmd":"{}","line":{line}"#, mv.kind.name());
     if !mv.kind.is_linear() {
         let (a, b) = (axes.at(0), axes.at(1));
         let plane = [a, b].map(|i| json_string(&machine.axes[i].name)).join(",");
-        let center = axes_json(machine, vec![(a, mv.center[0]), (b, mv.center[1])]);
+        let center =
+            axes_json(machine, vec![(a, radii.axis_unit(a, mv.center[0])), (b, radii.axis_unit(b, mv.center[1]))]);
         let _ = write!(out, r#","plane":[{plane}],"center":{center},"phi":{}"#, number_json(mv.phi));
     }
     let _ = write!(out, r#","target":{}"#, named(program.targets_of(mv)));
@@ -90,11 +110,8 @@ fn move_json(program: &Program, machine: &Machine, line: u32, mv: &Move) -> Stri
         let vias: Vec<String> = program.vias_of(mv).iter().map(via).collect();
         let _ = write!(out, r#","via":[{}]"#, vias.join(","));
     }
-    let rotary: Vec<(usize, f64)> = axes
-        .iter()
-        .filter(|&a| machine.axes[a].kind == AxisKind::Rotary)
-        .map(|a| (a, machine.axes[a].effradius))
-        .collect();
+    let rotary: Vec<(usize, f64)> =
+        axes.iter().filter(|&a| !radii.now[a].is_nan()).map(|a| (a, radii.now[a])).collect();
     if !rotary.is_empty() {
         let _ = write!(out, r#","effradius":{}"#, axes_json(machine, rotary));
     }

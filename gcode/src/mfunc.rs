@@ -383,6 +383,7 @@ impl Translator<'_> {
         self.put_out(Outputs { set: 0, reset });
         self.sink.event(self.line, kind, "");
         self.sink.instr(self.line, Instr::Drain(self.sink.set()));
+        self.set_cylinder(None);
         self.sink.instr(self.line, Instr::Halt);
     }
 

@@ -120,6 +120,8 @@ pub struct Modal {
     /// Preselected tool, and the one in the spindle.
     pub tool: u32,
     pub in_spindle: u32,
+    /// G07.1: slot of the rotary axis and radius of the surface, mm.
+    pub cylinder: Option<(usize, f64)>,
 }
 
 impl Modal {
@@ -144,6 +146,7 @@ impl Modal {
             override_on: true,
             tool: 0,
             in_spindle: 0,
+            cylinder: None,
         }
     }
     /// mm per programmed length unit.
@@ -261,13 +264,14 @@ impl State {
             choose(m.exact, 610, 640),
             zero,
             extra,
+            choose(m.cylinder.is_some(), 71, 0),
         ])
     }
 }
 
 /// Active G codes, to be compared cheaply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Codes([u16; 10]);
+pub struct Codes([u16; 11]);
 
 impl std::fmt::Display for Codes {
     /// "G1 G17 G90 G21 G94 G40 G49 G64 G54"
@@ -275,6 +279,9 @@ impl std::fmt::Display for Codes {
         for (i, tenths) in self.0[..9].iter().enumerate() {
             write!(f, "{}G{}", if i == 0 { "" } else { " " }, crate::codes::number(*tenths))?;
         }
-        if self.0[9] == 0 { Ok(()) } else { write!(f, " P{}", self.0[9]) }
+        if self.0[9] != 0 {
+            write!(f, " P{}", self.0[9])?;
+        }
+        if self.0[10] == 0 { Ok(()) } else { write!(f, " G{}", crate::codes::number(self.0[10])) }
     }
 }

@@ -3,6 +3,7 @@
 use crate::arc::{self, Arc, Ends};
 use crate::block::{AXIS_LETTERS, Block, CENTRE_LETTERS, GWord, bit, mask};
 use crate::codes::Group;
+use crate::cylinder::ArcPlane;
 use crate::diagnostics::{Check, Fault, Id, Span};
 use crate::dialect::ArcCentre;
 use crate::feed::Lengths;
@@ -151,19 +152,15 @@ impl Translator<'_> {
     }
 
     fn circular(&mut self, block: &Block) -> Check<()> {
-        let (letters, _) = self.state.modal.plane.letters();
-        let mut slots = [0; 2];
-        for (slot, letter) in slots.iter_mut().zip(letters) {
-            let g = block.code_of(Group::Motion).map_or(block.span, |g| g.span);
-            *slot = self.group.slot(letter).ok_or_else(|| Fault::with(Id::GC417, g, &[&char::from(letter)]))?;
-        }
-        if let Some((_, word)) = block.first_of(AXIS_LETTERS & mask("ABC")) {
+        let plane = self.arc_plane(block)?;
+        let slots = plane.slots;
+        if let Some((_, word)) = block.first_of(AXIS_LETTERS & mask("ABC") & !self.surface_letter()) {
             return Err(Fault::new(Id::GC418, word.span));
         }
         let known = self.state.unknown & (1 << slots[0] | 1 << slots[1]) == 0;
         let target = self.target(block)?;
-        match self.arc(block, slots, &target) {
-            Ok(arc) => self.arc_to(block, slots, target, &arc),
+        match self.arc(block, &plane, &target) {
+            Ok(arc) => self.arc_to(block, &plane, target, &arc),
             // the start is not where the program means it to be: nothing can be said about this arc
             Err(fault) if !known && fault.id >= Id::GC401 && fault.id <= Id::GC410 => {
                 (self.state.program, self.state.machine) = (target.program, target.machine);
@@ -172,8 +169,8 @@ impl Translator<'_> {
             Err(fault) => Err(fault),
         }
     }
-    /// Geometry of the arc in program coordinates.
-    fn arc(&mut self, block: &Block, slots: [usize; 2], target: &Target) -> Check<Arc> {
+    /// Geometry of the arc in program coordinates, mm.
+    fn arc(&mut self, block: &Block, plane: &ArcPlane, target: &Target) -> Check<Arc> {
         self.used |= CENTRE_LETTERS | mask("RP");
         let turns = match block.word(b'P') {
             Some(p) if p.value < 1.0 || p.value.fract() != 0.0 || p.value > 1e6 => {
@@ -182,11 +179,11 @@ impl Translator<'_> {
             Some(p) => p.value as u32,
             None => 1,
         };
-        let start = slots.map(|s| self.state.program[s]);
-        let end = slots.map(|s| target.program[s]);
+        let start = plane.in_mm(&self.state.program);
+        let end = plane.in_mm(&target.program);
         let counter_clockwise = self.state.modal.motion == MotionMode::CounterClockwise;
         let ends = Ends { start, end, counter_clockwise, turns, span: block.span };
-        let (letters, third) = self.state.modal.plane.centres();
+        let (letters, third) = (plane.centres, plane.third);
         if let Some(word) = block.word(third) {
             if word.value != 0.0 {
                 let args: [&dyn std::fmt::Display; 2] = [&char::from(third), &self.state.modal.plane.g()];
@@ -221,14 +218,17 @@ impl Translator<'_> {
     }
 
     /// The motion command of an arc.
-    fn arc_to(&mut self, block: &Block, slots: [usize; 2], mut target: Target, arc: &Arc) -> Check<()> {
+    fn arc_to(&mut self, block: &Block, plane: &ArcPlane, mut target: Target, arc: &Arc) -> Check<()> {
+        let slots = plane.slots;
         let reverses = self.state.frame.reverses(slots).ok_or_else(|| Fault::new(Id::GC412, block.span))?;
         let mut centre = self.state.program;
+        let closed = arc.end == plane.in_mm(&self.state.program);
         for i in 0..2 {
-            centre[slots[i]] = arc.centre[i];
-            target.program[slots[i]] = arc.end[i];
+            centre[slots[i]] = arc.centre[i] / plane.metric[i];
+            if closed {
+                target.program[slots[i]] = self.state.program[slots[i]];
+            }
         }
-        let closed = slots.iter().all(|&s| target.program[s] == self.state.program[s]);
         if self.state.frame.is_plain() {
             for slot in slots {
                 centre[slot] += self.state.frame.shift()[slot];
@@ -240,13 +240,14 @@ impl Translator<'_> {
             centre = self.state.frame.to_machine(&centre);
             target.machine = self.state.frame.to_machine(&target.program);
         }
-        let start = slots.map(|s| self.state.machine[s]);
-        let centre = slots.map(|s| centre[s]);
+        let (start, middle) = (plane.in_mm(&self.state.machine), plane.in_mm(&centre));
         let sweep = if reverses { -arc.sweep } else { arc.sweep };
-        let radius = (start[0] - centre[0]).hypot(start[1] - centre[1]);
-        let circle = Circle { slots, centre, sweep, radius };
+        let radius = (start[0] - middle[0]).hypot(start[1] - middle[1]);
+        let circle = Circle { slots, centre: slots.map(|s| centre[s]), sweep, radius };
         self.check_limits(block, &target.machine);
-        self.check_extremes(block, &circle, start, slots.map(|s| target.machine[s]));
+        let bounds = arc::bounds(start, middle, sweep, plane.in_mm(&target.machine));
+        let bounds = [0, 1].map(|i| (bounds[i].0 / plane.metric[i], bounds[i].1 / plane.metric[i]));
+        self.check_extremes(block, slots, bounds, slots.map(|s| target.machine[s]));
         self.circle_to(block, &target, circle)
     }
     fn circle_to(&mut self, block: &Block, target: &Target, circle: Circle) -> Check<()> {
@@ -279,12 +280,11 @@ impl Translator<'_> {
         Ok(())
     }
     /// GC413 for the points of an arc that lie farthest out.
-    fn check_extremes(&mut self, block: &Block, circle: &Circle, start: [f64; 2], end: [f64; 2]) {
+    fn check_extremes(&mut self, block: &Block, slots: [usize; 2], bounds: [(f64, f64); 2], end: [f64; 2]) {
         if self.sink.is_displaced() {
             return;
         }
-        let bounds = arc::bounds(start, circle.centre, circle.sweep, end);
-        for (i, slot) in circle.slots.into_iter().enumerate() {
+        for (i, slot) in slots.into_iter().enumerate() {
             let (low, high) = bounds[i];
             self.facts.low[slot] = self.facts.low[slot].min(low);
             self.facts.high[slot] = self.facts.high[slot].max(high);

@@ -64,7 +64,7 @@ impl Translator<'_> {
             511 => self.mirror(block, owner),
             680 => self.rotate(block),
             740 => self.home(block, owner),
-            71 | 1070 => Err(Fault::with(Id::GC305, owner.span, &[&number(owner.code.tenths)])),
+            71 | 1070 => self.cylinder(block, owner),
             _ => Ok(()),
         }
     }

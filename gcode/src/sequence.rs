@@ -2,6 +2,7 @@
 
 use motion_kernel::autocode::{Instr, Program};
 use motion_kernel::machine::{AxisKind, Machine};
+use motion_kernel::registers::ModeReg;
 
 /// `a` axes of the machine, `n` motion commands, `m` passed-over points; two-dimensional columns are row by row.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,10 +46,12 @@ pub fn sequence(program: &Program, machine: &Machine) -> SequenceColumns {
     let a = machine.axes.len();
     let mut position: Vec<f64> = machine.axes.iter().map(|axis| axis.start).collect();
     let mut columns = SequenceColumns { axes: a, start: position.clone(), ..SequenceColumns::default() };
-    let radius =
-        |axis: &motion_kernel::machine::Axis| if axis.kind == AxisKind::Rotary { axis.effradius } else { f64::NAN };
-    columns.effradius = machine.axes.iter().map(radius).collect();
+    let mut radii = Radii::new(machine);
+    columns.effradius.extend(&radii.now);
     for (&line, instr) in program.lines.iter().zip(&program.code) {
+        if radii.follow(instr, program) {
+            columns.effradius.extend(&radii.now);
+        }
         let Instr::Spool(number) = instr else { continue };
         let mv = &program.moves[*number as usize];
         let axes = program.axes_of(mv);
@@ -58,10 +61,10 @@ pub fn sequence(program: &Program, machine: &Machine) -> SequenceColumns {
         for via in vias {
             columns.via_line.push(via.line);
             let mut row = position.clone();
-            axes.iter().zip(program.via_targets(mv, via)).for_each(|(axis, v)| row[axis] = *v);
+            axes.iter().zip(program.via_targets(mv, via)).for_each(|(axis, v)| row[axis] = radii.axis_unit(axis, *v));
             columns.via_target.extend(row);
         }
-        axes.iter().zip(program.targets_of(mv)).for_each(|(axis, v)| position[axis] = *v);
+        axes.iter().zip(program.targets_of(mv)).for_each(|(axis, v)| position[axis] = radii.axis_unit(axis, *v));
         let linear = mv.kind.is_linear();
         columns.kind.push(u8::from(!linear));
         columns.line.push(line);
@@ -69,12 +72,46 @@ pub fn sequence(program: &Program, machine: &Machine) -> SequenceColumns {
         columns.target.extend_from_slice(&position);
         columns.c1.push(if linear { 0 } else { axes.at(0) as u8 });
         columns.c2.push(if linear { 0 } else { axes.at(1) as u8 });
-        columns.center.extend_from_slice(&mv.center);
+        let center = |i: usize| if linear { 0.0 } else { radii.axis_unit(axes.at(i), mv.center[i]) };
+        columns.center.extend([center(0), center(1)]);
         columns.phi.push(mv.phi);
         columns.vl.push(mv.vl);
         columns.ac.push(mv.ac);
         columns.tvl.push(mv.tvl);
-        columns.effradius_of.push(0);
+        columns.effradius_of.push((columns.effradius.len() / a - 1) as u16);
     }
     columns
+}
+
+/// The effective radii while a program is read from its first instruction to its last.
+pub(crate) struct Radii {
+    /// Per axis, mm; NaN for linear axes.
+    pub now: Vec<f64>,
+    in_degrees: bool,
+    pushed: f64,
+}
+
+impl Radii {
+    pub fn new(machine: &Machine) -> Self {
+        let radius =
+            |axis: &motion_kernel::machine::Axis| if axis.kind == AxisKind::Rotary { axis.effradius } else { f64::NAN };
+        let in_degrees = ModeReg(machine.gcode.modereg).has(ModeReg::RotatoricUnit);
+        Radii { now: machine.axes.iter().map(radius).collect(), in_degrees, pushed: 0.0 }
+    }
+    /// True if the instruction changes a radius.
+    pub fn follow(&mut self, instr: &Instr, program: &Program) -> bool {
+        match *instr {
+            Instr::Number(n) => self.pushed = program.numbers[n as usize],
+            Instr::EffRadius(axis) => {
+                self.now[usize::from(axis)] = self.pushed;
+                return true;
+            }
+            _ => {}
+        }
+        false
+    }
+    /// A position of a command in degrees, where rotary positions are spooled as mm of circumference.
+    pub fn axis_unit(&self, axis: usize, value: f64) -> f64 {
+        if self.in_degrees || self.now[axis].is_nan() { value } else { value / self.now[axis].to_radians() }
+    }
 }

@@ -2,6 +2,8 @@
 
 use motion_kernel::autocode::{Builder, HostEvent, Instr, Move, MoveKind, Program, Ssf, Via};
 use motion_kernel::axes::{AxisList, AxisSet};
+use motion_kernel::machine::Machine;
+use motion_kernel::registers::ModeReg;
 
 use crate::diagnostics::{Check, Span};
 use crate::group::{ContourGroup, Point, SLOTS};
@@ -91,6 +93,8 @@ pub struct Sink {
     circle_lists: Vec<([usize; 2], u16)>,
     sample: f64,
     look_ahead: bool,
+    /// Rotary positions are spooled as mm of circumference (MODEREG RotatoricUnit is clear).
+    circumference: bool,
     pub(crate) position: Point,
     run: Option<Run>,
     spare: Vec<Passed>,
@@ -103,8 +107,9 @@ pub struct Sink {
 }
 
 impl Sink {
-    pub fn new(group: &ContourGroup, start_fill: u32, sample: f64, look_ahead: bool, keep: bool) -> Self {
-        let mut builder = Builder::new(group.set(), start_fill);
+    pub fn new(group: &ContourGroup, machine: &Machine, keep: bool) -> Self {
+        let modereg = ModeReg(machine.gcode.modereg);
+        let mut builder = Builder::new(group.set(), machine.gcode.start_fill);
         let list = builder.axis_list(AxisList::new(&group.axes.iter().map(|a| a.axis).collect::<Vec<_>>()));
         Sink {
             builder,
@@ -116,8 +121,9 @@ impl Sink {
             group: group.clone(),
             list,
             circle_lists: Vec::new(),
-            sample,
-            look_ahead,
+            sample: machine.sample_time_s(),
+            look_ahead: modereg.has(ModeReg::LookAhead),
+            circumference: !modereg.has(ModeReg::RotatoricUnit) && group.axes.iter().any(|a| a.rotary),
             position: group.start,
             run: None,
             spare: Vec::new(),
@@ -212,7 +218,8 @@ impl Sink {
         let first = self.builder.via_count();
         if self.keep {
             for passed in &run.passed {
-                let target = self.builder.numbers(&passed.point[..self.group.len()]);
+                let point = self.spooled(&passed.point);
+                let target = self.builder.numbers(&point[..self.group.len()]);
                 self.builder.via(Via { line: passed.line, target });
             }
         }
@@ -251,8 +258,9 @@ impl Sink {
     fn emit(&mut self, motion: &Motion, vl: f64, vias: (u32, u32)) {
         let n = self.group.len();
         let Motion { rapid, ac, line, .. } = *motion;
+        let end = self.spooled(&motion.target);
         let Some(circle) = motion.circle else {
-            let target = self.builder.numbers(&motion.target[..n]);
+            let target = self.builder.numbers(&end[..n]);
             let (kind, axes) = (MoveKind::Smla, self.list);
             let mv = Move { kind, rapid, axes, target, vl, ac, tvl: 0.0, phi: 0.0, center: [0.0; 2], vias };
             self.builder.spool(line, mv);
@@ -261,12 +269,28 @@ impl Sink {
         let kind = if n == 2 { MoveKind::Smca } else { MoveKind::Smha };
         let mut targets = [0.0; SLOTS];
         for (to, slot) in targets.iter_mut().zip(order(circle.slots, n)) {
-            *to = motion.target[slot];
+            *to = end[slot];
         }
+        let mut center = end;
+        for (slot, value) in circle.slots.into_iter().zip(circle.centre) {
+            center[slot] = value;
+        }
+        let center = circle.slots.map(|slot| self.spooled(&center)[slot]);
         let axes = self.circle_list(circle.slots);
         let target = self.builder.numbers(&targets[..n]);
-        let (phi, center) = (circle.sweep, circle.centre);
+        let phi = circle.sweep;
         self.builder.spool(line, Move { kind, rapid, axes, target, vl, ac, tvl: 0.0, phi, center, vias });
+    }
+    /// A point as motion commands name it (section 11).
+    #[inline]
+    fn spooled(&self, point: &Point) -> Point {
+        let mut point = *point;
+        if self.circumference {
+            for (value, axis) in point.iter_mut().zip(&self.group.axes).filter(|(_, axis)| axis.rotary) {
+                *value *= axis.metric;
+            }
+        }
+        point
     }
     /// The axis list (first, second plane axis, all others) of a circle.
     fn circle_list(&mut self, slots: [usize; 2]) -> u16 {
@@ -290,8 +314,8 @@ impl Sink {
         let at = |point: &Point| {
             let mut tangent = straight;
             let part = circle.sweep.to_radians() / motion.length;
-            tangent[a] = -(point[b] - circle.centre[1]) * part;
-            tangent[b] = (point[a] - circle.centre[0]) * part;
+            tangent[a] = -(point[b] - circle.centre[1]) * self.group.axes[b].metric * part;
+            tangent[b] = (point[a] - circle.centre[0]) * self.group.axes[a].metric * part;
             tangent
         };
         (at(&self.position), at(&motion.target))
@@ -341,6 +365,13 @@ impl Sink {
         if self.keep {
             self.builder.emit(line, instr);
         }
+    }
+    /// Another effective radius (section 11); the caller has drained the spoolers.
+    pub fn effradius(&mut self, line: u32, slot: usize, radius: f64, on_surface: bool) {
+        self.group.set_radius(slot, radius, on_surface);
+        let (number, axis) = (self.number(radius), self.group.axes[slot].axis as u16);
+        self.instr(line, Instr::Number(number));
+        self.instr(line, Instr::EffRadius(axis));
     }
     /// A text of the pool.
     pub fn text(&mut self, text: &str) -> u32 {

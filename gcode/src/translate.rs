@@ -78,8 +78,7 @@ impl<'a> Translator<'a> {
         let modal = Modal::reset(dialect.lathe, machine.gcode.merge_tolerance);
         let state = State::new(&group, Frame::new(work), modal);
         let keep = !options.check_only;
-        let sample = machine.sample_time_s();
-        let sink = Sink::new(&group, machine.gcode.start_fill, sample, dialect.look_ahead, keep);
+        let sink = Sink::new(&group, machine, keep);
         let facts = Facts::new(&group.start);
         Translator {
             machine,
@@ -133,6 +132,7 @@ impl<'a> Translator<'a> {
         if result.is_err() || self.has_errors(found) {
             let (program, machine) = (self.state.program, self.state.machine);
             self.state = before;
+            self.restore_surface();
             if result.is_ok() {
                 // only a limit was passed: the program goes on from where it meant to be
                 (self.state.machine, self.state.program) = (machine, program);
@@ -149,6 +149,7 @@ impl<'a> Translator<'a> {
             return self.macro_call(block, g);
         }
         self.check_correction(block)?;
+        self.check_cylinder(block)?;
         let owner = self.axis_owner(block)?;
         self.sink.flush();
         self.message(block);

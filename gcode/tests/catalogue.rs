@@ -199,9 +199,6 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("GC112", "reading files is the application's part"),
     ("GC114", "the text is compiled from memory, it cannot change"),
     ("GC312", "the correction is built"),
-    ("GC321", "cylinder mode is not built: G07.1 is GC305"),
-    ("GC322", "cylinder mode is not built"),
-    ("GC414", "cylinder mode is not built"),
     ("GC515", "the machine file has no spindle limit yet"),
     ("GC516", "option m6.needsT is not built"),
     ("GC615", "option strictEnd is not built"),
@@ -256,6 +253,9 @@ fn ids_that_need_another_machine_or_option() {
     let limits = |limits: Limits| Options { limits, ..Options::default() };
     expect(("GC324", 1, 5, 7, "G81 A90 Z-1 R1 F10\nM30\n"), &example("mill4a"), &plain);
     expect(("GC418", 1, 11, 13, "G2 X10 I5 A90 F10\nM30\n"), &example("mill4a"), &plain);
+    expect(("GC321", 2, 1, 3, "G07.1 C20\nG28\nM30\n"), &example("mill4c"), &plain);
+    expect(("GC322", 2, 7, 8, "G07.1 C20\nG07.1 A5\nM30\n"), &two_tables(), &plain);
+    expect(("GC414", 1, 7, 9, "G07.1 C-5\nM30\n"), &example("mill4c"), &plain);
     expect(("GC417", 1, 5, 6, "G18 G2 X10 R5 F10\nM30\n"), &example("xy-stepper"), &plain);
     expect(("GC106", 1, 1, 1, "G0 X1\nM30\n"), &mill3(), &limits(Limits { bytes: 4, ..Limits::default() }));
     let endless = "N1 #1=1\nWHILE [1 EQ 1] DO1\nG4 P2\nEND1\nM30\n";
@@ -284,6 +284,14 @@ fn ids_that_need_another_machine_or_option() {
     classic.gcode.dialect.integer_increment = Some(0.001);
     expect(("GW904", 1, 1, 1, "G0 X1000\nM30\n"), &classic, &plain);
     expect(("GW934", 1, 1, 1, "G20 G0 X100\nM30\n"), &wide(), &plain);
+}
+
+/// A machine with two rotary axes.
+fn two_tables() -> Machine {
+    let mut machine = example("mill4c");
+    machine.axes.push(machine.axes[3].clone());
+    (machine.axes[4].name, machine.axes[4].letter) = ("A".to_owned(), Some('A'));
+    machine
 }
 
 /// A machine without software limits.

@@ -98,6 +98,8 @@ pub enum Instr {
     /// Pop into a common variable at once (G-code assigns through `Ssf`, in step with motion).
     StoreCi(u16),
     StoreCd(u16),
+    /// Pop into effradius of an axis (4.4.143), mm. Positions in degrees stay; so do the limits of the axis in degrees.
+    EffRadius(u16),
     /// Local slots of the task.
     LoadLocal(u16),
     StoreLocal(u16),

@@ -120,6 +120,21 @@ impl Mcu {
         true
     }
 
+    /// Effective radius of a rotary axis in mm (4.4.143); what was spooled before keeps its course. The limits mdvel,
+    /// maxvel and maxacc go along: they are in PU and TU, and the axis can still do as many degrees a second.
+    pub fn change_radius(&mut self, axis: usize, radius: f64) -> bool {
+        let Some(parameters) = self.axes.get_mut(axis).map(|a| &mut a.parameters) else { return false };
+        if !parameters.rotary || !radius.is_finite() || radius <= 0.0 {
+            return false;
+        }
+        let change = radius.to_radians() / parameters.scale;
+        parameters.scale = radius.to_radians();
+        for limit in [&mut parameters.mdvel, &mut parameters.maxvel, &mut parameters.maxacc] {
+            *limit *= change;
+        }
+        true
+    }
+
     /// Axis units per unit of a command's position.
     pub(crate) fn command_unit(&self, a: usize) -> f64 {
         self.axes[a].per_unit(self.registers.units.pu, self.registers.modereg.has(ModeReg::RotatoricUnit))

@@ -245,6 +245,11 @@ impl Task {
             Instr::StoreCd(n) => {
                 *mcu.cd.get_mut(usize::from(n)).ok_or(runtime_error::COMMON_RANGE)? = self.pop()?;
             }
+            Instr::EffRadius(axis) => {
+                if !mcu.change_radius(usize::from(axis), self.pop()?) {
+                    return Err(runtime_error::BAD_PARAMETER);
+                }
+            }
             Instr::LoadLocal(n) => self.push(*self.locals.get(usize::from(n)).ok_or(runtime_error::BAD_ADDRESS)?)?,
             Instr::StoreLocal(n) => {
                 let value = self.pop()?;
