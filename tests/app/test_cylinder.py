@@ -50,4 +50,4 @@ def test_both_settings_of_rotatoric_unit_give_the_same_result(tmp_path: Path) ->
     one, two = run(tmp_path, MILL4C), run(tmp_path, other)
     assert one.execution.machine_time_s == two.execution.machine_time_s
     assert abs(one.summary["path_length_mm"] - two.summary["path_length_mm"]) < 1e-9
-    assert two.summary["deviation"]["setpoint"]["max_mm"] < 1e-6
+    assert two.summary["setpoint"]["max_mm"] < 1e-6
