@@ -1,4 +1,4 @@
-//! Properties of whole contours: the path is the programmed one at any override and through any hold.
+//! Properties of whole contours: the path is the programmed one through any hold.
 
 mod common;
 
@@ -34,33 +34,6 @@ fn ends(m: &Mcu, placed: &[Placed]) {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
 
-    // shows: kernel.override.during-profile, kernel.override.trajectory-synchronous, spool.override-synchronous
-    // shows: pcap.wrtrovr.during-path, pcap.utrovr
-    #[test]
-    fn set_points_lie_on_the_path_at_any_override(
-        blocks in contour(25),
-        mode in 0..MODES.len(),
-        schedule in prop::collection::vec((1u64..300, 0.05..1.5f64, 0.0..0.4f64), 1..8),
-    ) {
-        let (mut m, placed) = start(&blocks, MODES[mode]);
-        let all = m.all_axes();
-        for &(samples, factor, seconds) in schedule.iter().cycle().take(2000) {
-            m.wrtrovrst(seconds);
-            m.wrtrovr(factor);
-            m.utrovr(all);
-            let mut trace = Trace::default();
-            let advanced = m.advance(samples, &mut trace);
-            check_on_path(&trace, &placed);
-            if advanced.stop == Stop::Finished {
-                ends(&m, &placed);
-                return Ok(());
-            }
-        }
-        let trace = record(&mut m);
-        check_on_path(&trace, &placed);
-        ends(&m, &placed);
-    }
-
     // shows: pcap.ms.direction-kept, pcap.ms.on-circle
     #[test]
     fn a_resumed_path_is_the_same_path(
@@ -92,35 +65,6 @@ proptest! {
         let trace = record(&mut m);
         check_on_path(&trace, &placed);
         ends(&m, &placed);
-    }
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
-
-    /// Limits are kept at any constant factor up to 1 (design D18): no axis is faster than maxvel; its speed changes
-    /// by no more than mdvel at a junction, and in between by no more than its ramp and its share of the curvature.
-    #[test]
-    fn limits_are_kept(blocks in contour(25), factor in prop_oneof![Just(1.0), 0.2..1.0f64]) {
-        let (mut m, placed) = start(&blocks, LOOKAHEAD | ModeReg::ChkMaxVel);
-        for a in 0..3 {
-            m.parameters_mut(a).maxvel = 200.0;
-        }
-        m.wrtrovr(factor);
-        m.utrovr(set(&[0, 1, 2]));
-        let trace = record(&mut m);
-        let ramp: f64 = placed.iter().map(|b| b.block.ac).fold(0.0, f64::max);
-        for axis in 0..3 {
-            let v = speeds(&trace, axis, 0.0);
-            prop_assert!(v.iter().all(|v| v.abs() <= 200.0 * factor + 1e-6));
-            for k in 1..v.len() {
-                let junctions = f64::from(trace.entry[k].abs_diff(trace.entry[k.saturating_sub(2)])).min(5.0);
-                let junctions = if trace.entry[k] == 0 { 5.0 } else { junctions };
-                // curvature: v²/r <= maxacc 1000 by the limit of arcs
-                let allowed = (ramp + 1000.0) * factor * factor * TA + junctions * 0.5 * factor + 1e-6;
-                prop_assert!((v[k] - v[k - 1]).abs() <= allowed, "axis {axis}, sample {k}: {} to {}", v[k - 1], v[k]);
-            }
-        }
     }
 }
 

@@ -4,7 +4,6 @@ mod common;
 
 use common::*;
 use motion_kernel::registers::ModeReg;
-use proptest::prelude::*;
 
 /// Closed form, independent of the kernel: position at time t of a trapezoid from standstill to standstill.
 fn trapezoid(t: f64, length: f64, v: f64, a: f64) -> f64 {
@@ -83,43 +82,4 @@ fn rounding_at_stops_without_exact_target() {
     let mut m = mcu("X", ModeReg::LookAhead);
     line(&mut m, &[1.00003], 20.0, 100.0, 20.0);
     assert_eq!(dp(&run(&mut m), 0).last(), Some(&1.0));
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
-
-    /// Splitting a line changes nothing, at any override.
-    #[test]
-    fn a_split_line_is_the_line(
-        parts in prop::collection::vec(0.05..1.0f64, 1..40),
-        length in 5.0..80.0f64,
-        schedule in prop::collection::vec((5u64..300, 0.1..1.5f64, 0.0..0.3f64), 1..5),
-    ) {
-        let total: f64 = parts.iter().sum();
-        let mut split = mcu("XY", LOOKAHEAD);
-        let mut share = 0.0;
-        for part in &parts[..parts.len() - 1] {
-            share += part / total;
-            line(&mut split, &[0.6 * length * share, -0.8 * length * share], 40.0, 300.0, 40.0);
-        }
-        let mut whole = mcu("XY", LOOKAHEAD);
-        for m in [&mut split, &mut whole] {
-            line(m, &[0.6 * length, -0.8 * length], 40.0, 300.0, 0.0);
-            m.ssms(set(&[0, 1]));
-        }
-        for (samples, factor, seconds) in schedule {
-            for m in [&mut split, &mut whole] {
-                m.wrtrovrst(seconds);
-                m.wrtrovr(factor);
-                m.utrovr(set(&[0, 1]));
-            }
-            for _ in 0..samples {
-                split.run(1);
-                whole.run(1);
-                for (a, b) in split.status().axes.iter().zip(&whole.status().axes) {
-                    prop_assert!((a.dp - b.dp).abs() < 1e-9, "{} is not {}", a.dp, b.dp);
-                }
-            }
-        }
-    }
 }

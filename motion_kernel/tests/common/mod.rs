@@ -1,6 +1,7 @@
 //! Machines and helpers for the tests of the kernel.
 #![allow(dead_code)] // every test binary uses its own part
 
+pub mod chain;
 pub mod contour;
 
 use motion_kernel::autocode::MoveKind;
