@@ -32,8 +32,17 @@ pub enum Doing {
     /// A spooled move; the profile clock is [`Axis::t`].
     Move(u32),
     Wait(Wait),
+    /// A set point each sample (spd, 4.4.117); so many are left.
+    Points(u32),
     /// A profile of its own in axis units: a jog (4.4.19, 4.4.23), or a stop with sdec (js, 4.4.24).
     Alone,
+}
+
+impl Doing {
+    /// A profile or set points are being executed: pe is 0.
+    pub fn travels(self) -> bool {
+        matches!(self, Doing::Move(_) | Doing::Points(_) | Doing::Alone)
+    }
 }
 
 /// The override of an axis: the factor of its profile clock (design D1).
@@ -146,6 +155,13 @@ pub struct Axis {
     /// Path velocity at the end of the last move, and the axes of that move.
     pub path_v: f64,
     pub last_axes: AxisSet,
+    /// [`Doing::Alone`] is a stop that the system made (a limit, JSatSAF), not a command.
+    pub braked_by_system: bool,
+    /// Where a block of distances began (spdr), and 0 for one of positions.
+    pub points_base: f64,
+    /// PcapIndex of what is executed, the last one that had any (4.4.94), and whether the points of a block count it on.
+    pub pcap_index: i32,
+    pub points_count: bool,
     /// Too short moves in a row (ErrorReg bit 5).
     pub short_moves: u32,
 
@@ -180,6 +196,10 @@ impl Axis {
             run_on_v: 0.0,
             path_v: 0.0,
             last_axes: AxisSet::EMPTY,
+            braked_by_system: false,
+            points_base: 0.0,
+            pcap_index: 0,
+            points_count: false,
             short_moves: 0,
             spooler: Spooler::new(spool_memory),
             queue_end: axis.start,

@@ -70,7 +70,7 @@ impl Mcu {
         match entry {
             Entry::Move { slot, .. } => Some(self.moves[*slot].line),
             Entry::Function(function) => Some(function.line),
-            Entry::HoldPoint => None,
+            Entry::Points(_) | Entry::HoldPoint => None,
         }
     }
 

@@ -1,5 +1,6 @@
 //! One sample interval, top to bottom (design 4.2).
 
+use crate::axes::AxisSet;
 use crate::axis::{Axis, Doing, Wait};
 use crate::mcu::{Mcu, PointCache, WAIT_CI};
 use crate::path::point;
@@ -54,6 +55,11 @@ impl Mcu {
                 Doing::Wait(_) => {
                     axis.dv = 0.0;
                     return;
+                }
+                Doing::Points(_) => {
+                    if axis.step_points(rest, self.ta) {
+                        return;
+                    }
                 }
                 Doing::Alone => return axis.step_alone(self.ta),
                 Doing::Nothing => {
@@ -119,9 +125,16 @@ impl Mcu {
                     self.plan(a, slot);
                 }
                 self.watch_duration(a, slot);
-                self.axes[a].run_on_v = 0.0;
+                let axis = &mut self.axes[a];
+                axis.run_on_v = 0.0;
+                axis.pcap_index = self.moves[slot].pcap_index.unwrap_or(axis.pcap_index);
             }
-            Some(Entry::Function(function)) => self.execute(a, function),
+            Some(Entry::Function(function)) => {
+                let axis = &mut self.axes[a];
+                axis.pcap_index = function.pcap_index.unwrap_or(axis.pcap_index);
+                self.execute(a, function);
+            }
+            Some(Entry::Points(points)) => self.axes[a].begin_points(points),
             Some(Entry::HoldPoint) => self.axes[a].spooler.state = SpoolState::Held,
         }
     }
@@ -142,7 +155,7 @@ impl Mcu {
     /// Plans a move as its first axis starts it; its plan is frozen from here on.
     fn plan(&mut self, a: usize, slot: u32) {
         let start_v = self.start_velocity(a, slot);
-        let looks_ahead = self.registers.modereg.has(ModeReg::LookAhead);
+        let looks_ahead = self.registers.modereg.has(ModeReg::LookAhead) && !self.moves[slot].plain;
         let bound = self.lookahead.plan(&mut self.moves, slot, self.registers.lookahead_depth);
         let mv = &self.moves[slot];
         let mut request = Request {
@@ -161,18 +174,21 @@ impl Mcu {
                 self.raise(ErrorReg::SpoolerDeepToLess);
             }
             if self.registers.modereg.has(ModeReg::NoTriangle) {
-                self.without_triangle(&mut request);
+                self.without_triangle(self.moves[slot].axes, &mut request);
             }
         }
         let mv = &mut self.moves[slot];
         (mv.profile, mv.planned) = (Profile::spooled(&request), true);
     }
 
-    /// NoTriangle (design D16): a move that cannot reach its velocity keeps the higher of its junction speeds.
-    fn without_triangle(&self, request: &mut Request) {
+    /// NoTriangle (design D16): a move that cannot reach its velocity keeps the higher of its junction speeds. Less
+    /// than a count in a sample is standstill, else a chain could crawl for minutes behind a tiny last move.
+    fn without_triangle(&self, axes: AxisSet, request: &mut Request) {
         let (v0, v1) = (request.start_v, request.target_v);
         let top_v2 = request.acc * (request.to - request.from) + 0.5 * (v0 * v0 + v1 * v1);
-        if top_v2 < request.max_v * request.max_v && v0.max(v1) > 0.0 {
+        let count = |a: usize| self.axes[a].parameters.scale / self.axes[a].parameters.counts_per_unit;
+        let standstill_v = axes.iter().map(count).fold(f64::INFINITY, f64::min) / self.ta;
+        if top_v2 < request.max_v * request.max_v && v0.max(v1) >= standstill_v {
             request.max_v = v0.max(v1);
         }
     }
@@ -260,7 +276,7 @@ impl Mcu {
         }
         if self.registers.modereg.has(ModeReg::JSatSAF) {
             let closed = (0..self.axes.len()).filter(|&a| self.loops[a].closed).collect();
-            self.js(closed);
+            self.stop_by_system(closed);
             self.raise(ErrorReg::JSatSAFdone);
             self.told.fault = true;
         }
@@ -273,7 +289,7 @@ impl Mcu {
             let axis = &mut self.axes[a];
             let position_loop = &mut self.loops[a];
             position_loop.control(axis.set_point(), axis.set_velocity(), axis.limiting.motor_off);
-            let travels = matches!(axis.doing, Doing::Move(_) | Doing::Alone) || axis.pending > 0;
+            let travels = axis.doing.travels() || axis.pending > 0;
             axis.status.put(Axst::pe, !travels);
             let off = (axis.set_point() - position_loop.rp()).abs();
             let in_position = !travels && (axis.parameters.ipw <= 0.0 || off < axis.parameters.ipw);
@@ -312,7 +328,7 @@ impl Mcu {
             trace.load.push(position_loop.load());
             trace.rp.push(position_loop.rp());
             flags |= match axis.doing {
-                Doing::Move(_) => flag::MOVING,
+                Doing::Move(_) | Doing::Points(_) => flag::MOVING,
                 Doing::Alone => flag::MOVING | flag::DIRECT,
                 Doing::Wait(_) => flag::WAITING,
                 Doing::Nothing if axis.spooler.state == SpoolState::Halted => flag::WAITING,
@@ -356,6 +372,7 @@ impl Axis {
         self.dp = if self.jogging { self.component.target } else { self.component.base + self.component.p * end_s };
         (self.doing, self.run_on_v) = (Doing::Nothing, self.component.p * end_v);
         (self.dp, self.dv) = (self.dp + self.run_on_v * rest, self.run_on_v * factor);
+        self.braked_by_system = false;
         self.forget_queue();
     }
 }

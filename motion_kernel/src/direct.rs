@@ -4,6 +4,7 @@
 use crate::autocode::MoveKind;
 use crate::axes::{AxisList, AxisSet, MAX_AXES};
 use crate::axis::Doing;
+use crate::circle_3d::Space;
 use crate::functions::Entered;
 use crate::mcu::Mcu;
 use crate::motion::MotionCommand;
@@ -38,6 +39,7 @@ struct DirectMove {
     axes: AxisList,
     targets: [f64; MAX_AXES],
     center: [f64; 2],
+    space: Option<Space>,
     phi: f64,
     vl: f64,
     ac: f64,
@@ -75,6 +77,10 @@ impl Mcu {
 
     /// A direct move: mla, mlr, mca, mcr, mha or mhr, by the kind of the command (its spooled name).
     pub fn direct(&mut self, command: &MotionCommand) -> Entered {
+        self.direct_as(command, None)
+    }
+
+    pub(crate) fn direct_as(&mut self, command: &MotionCommand, space: Option<Space>) -> Entered {
         if let Err(outcome) = self.check_parameters(command) {
             return outcome;
         }
@@ -85,7 +91,7 @@ impl Mcu {
         let mut targets = [0.0; MAX_AXES];
         targets[..command.axes.len()].copy_from_slice(&command.targets[..command.axes.len()]);
         let units = self.registers.units;
-        let direct = DirectMove { kind, axes: *command.axes, targets, center, phi, vl, ac, tvl, line, units };
+        let direct = DirectMove { kind, axes: *command.axes, targets, center, space, phi, vl, ac, tvl, line, units };
         self.call(Direct::Move(direct), command.axes.set());
         Entered::Yes
     }
@@ -183,7 +189,7 @@ impl Mcu {
         let command = MotionCommand { kind, axes: &list, targets, center, phi, vl, ac, tvl, rapid: false, line };
         let mut components = std::mem::take(&mut self.components);
         let units = std::mem::replace(&mut self.registers.units, direct.units); // those of the call
-        let course = self.course(&command, &mut components);
+        let course = self.course(&command, direct.space.as_ref(), &mut components);
         self.registers.units = units;
         match course {
             Ok(geometry) => self.travel(&command, &geometry, &components, start_v),
@@ -203,6 +209,7 @@ impl Mcu {
             axes,
             line,
             direct: true,
+            programmed_v: vl,
             length,
             to: length,
             curvature: geometry.curvature,

@@ -49,6 +49,15 @@ impl Mcu {
     ///
     /// A wait behind a motion that does not end with target velocity 0 is refused (ErrorReg bit 10).
     pub fn ssf(&mut self, axis: usize, number: u16, value: f64, line: u32) -> Entered {
+        self.ssf_as(axis, Function { command: number, value, line, pcap_index: None })
+    }
+    /// As [`Mcu::ssf`]; the axis shows `pcap_index` from its execution on ([`Mcu::rdPcapIndex`]). ssfni is the same.
+    pub fn ssfi(&mut self, axis: usize, number: u16, value: f64, pcap_index: i32) -> Entered {
+        self.ssf_as(axis, Function { command: number, value, line: 0, pcap_index: Some(pcap_index) })
+    }
+
+    fn ssf_as(&mut self, axis: usize, function: Function) -> Entered {
+        let number = function.command;
         if axis >= self.axes.len() {
             self.raise(ErrorReg::errAxDef);
             return Entered::Discarded;
@@ -73,7 +82,7 @@ impl Mcu {
             self.raise(ErrorReg::errSpoolerOverrun);
             return Entered::Full;
         }
-        self.axes[axis].spooler.push(Entry::Function(Function { command: number, value, line }));
+        self.axes[axis].spooler.push(Entry::Function(function));
         Entered::Yes
     }
 
@@ -90,7 +99,7 @@ impl Mcu {
         if slot == NONE || !self.axes[axis].holds(slot) {
             return;
         }
-        self.moves[slot].tvl = 0.0;
+        (self.moves[slot].tvl, self.moves[slot].passes) = (0.0, false);
         if self.moves[slot].planned {
             self.brake_to_end(slot);
         } else {

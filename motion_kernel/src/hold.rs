@@ -93,10 +93,13 @@ impl Mcu {
                     if axes.contains_all(group) && self.can_stop_together(a, slot, behind) {
                         self.stop_group(slot, self.axes[a].t, behind);
                         done = done.union(group);
+                    } else if behind == Behind::Discarded {
+                        self.stop_apart(a, slot);
                     } else {
                         self.js(AxisSet::single(a));
                     }
                 }
+                Doing::Points(_) => self.js(AxisSet::single(a)),
                 Doing::Alone if self.axes[a].jogging => self.js(AxisSet::single(a)),
                 Doing::Alone => {}
                 Doing::Wait(_) => self.break_wait(a, behind),
@@ -135,8 +138,7 @@ impl Mcu {
 
     /// Stops the axes of a move, which are at profile time `t` in it.
     fn stop_group(&mut self, slot: u32, t: f64, behind: Behind) {
-        let trac = self.registers.modereg.has(ModeReg::MS_DECEL) && self.registers.trac > 0.0;
-        let brake_acc = if trac { self.registers.trac } else { self.moves[slot].ac };
+        let brake_acc = self.brake_acc(slot);
         let axes = self.moves[slot].axes;
         let cut = self.brake_along(slot, t, brake_acc);
         for a in axes.iter() {
@@ -158,12 +160,44 @@ impl Mcu {
         }
     }
 
+    /// An axis leaves its group and brakes on, or on beyond, its share of the path, in the direction it has (4.4.39).
+    fn stop_apart(&mut self, a: usize, slot: u32) {
+        let brake_acc = self.brake_acc(slot);
+        let jerkrel = self.shape_of(slot);
+        let mut apart = self.moves[slot];
+        let (s, v) = apart.profile.at(self.axes[a].t);
+        let (profile, _) = Profile::stopping(s, f64::INFINITY, v.max(0.0), brake_acc, 0.0, jerkrel);
+        apart.profile = if v < 0.0 { Profile::turning_back(s, v, brake_acc) } else { profile };
+        (apart.axes, apart.users, apart.to) = (AxisSet::single(a), 1, apart.profile.end_s);
+        (apart.planned, apart.stopping) = (true, true);
+        let component = self.axes[a].component;
+        self.enter_direct_mode(a);
+        let own = self.moves.add(apart);
+        self.lookahead.append(&mut self.moves, own, None);
+        self.lookahead.plan(&mut self.moves, own, 0);
+        let end = crate::path::point(apart.to, apart.curvature);
+        let axis = &mut self.axes[a];
+        (axis.doing, axis.component, axis.t) = (Doing::Move(own), component, 0.0);
+        axis.queue_end = component.position(&end);
+    }
+
+    /// Acceleration of a stop along a move: its own, or TRAC.
+    fn brake_acc(&self, slot: u32) -> f64 {
+        let trac = self.registers.modereg.has(ModeReg::MS_DECEL) && self.registers.trac > 0.0;
+        if trac { self.registers.trac } else { self.moves[slot].ac }
+    }
+    /// jerkrel of a move if ramps are S-shaped, else 0.
+    fn shape_of(&self, slot: u32) -> f64 {
+        if self.registers.modereg.has(ModeReg::SProfile) { self.moves[slot].jerkrel } else { 0.0 }
+    }
+
     /// Gives the moves from `slot` on braking profiles and returns the one in which the axes stop.
     fn brake_along(&mut self, slot: u32, t: f64, brake_acc: f64) -> u32 {
+        let jerkrel = self.shape_of(slot);
         let mv = &mut self.moves[slot];
         let (s, v) = mv.profile.at(t);
         let limit_v2 = mv.profile.end_v.max(0.0).powi(2);
-        let (mut profile, mut stands) = Profile::stopping(s, mv.to, v.max(0.0), brake_acc, limit_v2);
+        let (mut profile, mut stands) = Profile::stopping(s, mv.to, v.max(0.0), brake_acc, limit_v2, jerkrel);
         if v < 0.0 {
             (profile, stands) = (Profile::turning_back(s, v, brake_acc), true);
         }
@@ -175,14 +209,14 @@ impl Mcu {
                 self.brake_to_end(current);
                 break;
             }
-            let looks_ahead = self.registers.modereg.has(ModeReg::LookAhead);
+            let looks_ahead = self.registers.modereg.has(ModeReg::LookAhead) && !self.moves[next].plain;
             let bound = self.lookahead.plan(&mut self.moves, next, self.registers.lookahead_depth);
             let mv = &mut self.moves[next];
             let limit_v2 = if looks_ahead { bound.v2 } else { mv.tvl.max(0.0).powi(2) };
             // without look-ahead the plan itself may start lower, by a jump (2.2.2)
             let highest_v2 = limit_v2 + 2.0 * mv.ac.max(brake_acc) * (mv.to - mv.from);
             let start_v = profile.end_v.min(mv.vl).min(highest_v2.sqrt());
-            (profile, stands) = Profile::stopping(mv.from, mv.to, start_v, brake_acc, limit_v2);
+            (profile, stands) = Profile::stopping(mv.from, mv.to, start_v, brake_acc, limit_v2, 0.0);
             (mv.profile, mv.planned, mv.stopping) = (profile, true, true);
             current = next;
         }

@@ -157,7 +157,7 @@ impl Mcu {
         self.axes[a].limiting = limiting;
         if brakes {
             self.told.fault = true;
-            self.js(AxisSet::single(a));
+            self.stop_by_system(AxisSet::single(a));
         }
     }
 

@@ -92,7 +92,8 @@ impl Lookahead {
         }
         let chain = &self.chains[id];
         if chain.first == NONE {
-            return EndBound { v2: 0.0, starved: moves[slot].tvl > 0.0 };
+            let v2 = if chain.last == slot { passing_v2(moves, slot) } else { 0.0 };
+            return EndBound { v2, starved: moves[slot].tvl > 0.0 && !moves[slot].passes };
         }
         bound_at(chain, moves, depth)
     }
@@ -186,7 +187,8 @@ fn key(moves: &Moves, slot: u32) -> f64 {
 /// Bound at the start of the first unplanned move of a chain.
 fn bound_at(chain: &Chain, moves: &Moves, depth: u32) -> EndBound {
     let start_v2 = moves[chain.first].prefix_v2;
-    let (mut least, mut end) = (f64::INFINITY, chain.end_prefix_v2);
+    let behind_v2 = if chain.last == NONE { 0.0 } else { passing_v2(moves, chain.last) };
+    let (mut least, mut end) = (f64::INFINITY, chain.end_prefix_v2 + behind_v2);
     if depth == 0 {
         least = key(moves, chain.front);
     } else {
@@ -199,9 +201,16 @@ fn bound_at(chain: &Chain, moves: &Moves, depth: u32) -> EndBound {
             end = moves[slot].prefix_v2 + 2.0 * moves[slot].ac * (moves[slot].to - moves[slot].from);
             slot = moves[slot].next;
         }
+        end += if slot == NONE { behind_v2 } else { 0.0 };
     }
-    let goes_on = chain.last != NONE && moves[chain.last].tvl > 0.0;
+    let goes_on = chain.last != NONE && moves[chain.last].tvl > 0.0 && !moves[chain.last].passes;
     EndBound { v2: (least.min(end) - start_v2).max(0.0), starved: goes_on && end < least }
+}
+
+/// Squared velocity after the last move of a chain: 0, but for `sstvl` (4.4.122).
+fn passing_v2(moves: &Moves, last: u32) -> f64 {
+    let mv = &moves[last];
+    if mv.passes { mv.tvl.clamp(0.0, mv.vl).powi(2) } else { 0.0 }
 }
 
 /// Sums from 0 again, so that they keep their precision, and the queue of candidates anew.

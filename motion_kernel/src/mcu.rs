@@ -269,9 +269,7 @@ impl Mcu {
 
     /// No axis travels.
     pub fn stands(&self) -> bool {
-        self.axes
-            .iter()
-            .all(|a| !matches!(a.doing, Doing::Move(_) | Doing::Alone) && a.run_on_v == 0.0 && a.pending == 0)
+        self.axes.iter().all(|a| !a.doing.travels() && a.run_on_v == 0.0 && a.pending == 0)
     }
 
     /// No axis travels, waits or is about to take an entry.

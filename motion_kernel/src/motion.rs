@@ -2,6 +2,7 @@
 
 use crate::autocode::MoveKind;
 use crate::axes::{AxisList, AxisSet, MAX_AXES};
+use crate::circle_3d::Space;
 use crate::functions::Entered;
 use crate::mcu::Mcu;
 use crate::path::{self, Component, Ends, Geometry, NoPath};
@@ -30,27 +31,45 @@ pub struct MotionCommand<'a> {
 impl Mcu {
     /// Spools a motion command for all its axes (smla, smlr, smca, smcr, smha, smhr).
     pub fn spool(&mut self, command: &MotionCommand) -> Entered {
+        self.spool_as(command, None, None)
+    }
+    /// As [`Mcu::spool`]; the axes show `pcap_index` while they execute it (smlai, smlri; [`Mcu::rdPcapIndex`]).
+    pub fn spool_indexed(&mut self, command: &MotionCommand, pcap_index: i32) -> Entered {
+        self.spool_as(command, None, Some(pcap_index))
+    }
+
+    pub(crate) fn spool_as(
+        &mut self,
+        command: &MotionCommand,
+        space: Option<&Space>,
+        pcap_index: Option<i32>,
+    ) -> Entered {
         self.commands += 1;
         let command = &self.in_path_units(command);
-        if let Err(outcome) = self.check(command) {
+        if let Err(outcome) = self.check(command, space) {
             return outcome;
         }
-        let axes = command.axes.set();
-        for a in axes.iter() {
-            if self.axes[a].is_drained() {
-                self.axes[a].forget_queue();
-            }
-        }
+        self.begin_spooling(command.axes.set());
         let mut components = std::mem::take(&mut self.components);
-        let outcome = match self.course(command, &mut components) {
+        let outcome = match self.course(command, space, &mut components) {
             Ok(geometry) => {
-                self.enter(command, &geometry, &components);
+                let slot = self.enter(command, &geometry, &components, space.is_some());
+                self.moves[slot].pcap_index = pcap_index;
                 Entered::Yes
             }
             Err(nothing) => self.discard(nothing),
         };
         self.components = components;
         outcome
+    }
+
+    /// Axes without anything to do: what is spooled begins where they stand.
+    pub(crate) fn begin_spooling(&mut self, axes: AxisSet) {
+        for a in axes.iter() {
+            if self.axes[a].is_drained() {
+                self.axes[a].forget_queue();
+            }
+        }
     }
 
     /// Bytes that the command takes in the spooler of the axis at `position` of its list.
@@ -64,9 +83,14 @@ impl Mcu {
             .all(|(i, a)| a >= self.axes.len() || self.axes[a].spooler.left() >= Self::bytes_of(kind, i))
     }
 
-    fn check(&mut self, command: &MotionCommand) -> Result<(), Entered> {
+    fn check(&mut self, command: &MotionCommand, space: Option<&Space>) -> Result<(), Entered> {
         self.check_parameters(command)?;
-        if !self.has_room(command.kind, command.axes) {
+        if command.axes.iter().any(|a| self.axes[a].braked_by_system) {
+            self.raise(ErrorReg::SpoolerLoadError);
+            return Err(Entered::Discarded);
+        }
+        let room = |a: usize| self.axes[a].spooler.left() >= BYTES_CIRCLE;
+        if !self.has_room(command.kind, command.axes) || (space.is_some() && !command.axes.iter().all(room)) {
             self.raise(ErrorReg::errSpoolerOverrun);
             return Err(Entered::Full);
         }
@@ -117,10 +141,16 @@ impl Mcu {
     }
 
     /// The path of a command from the end of what is spooled.
-    pub(crate) fn course(&self, command: &MotionCommand, components: &mut Vec<Component>) -> Result<Geometry, NoPath> {
+    pub(crate) fn course(
+        &self,
+        command: &MotionCommand,
+        space: Option<&Space>,
+        components: &mut Vec<Component>,
+    ) -> Result<Geometry, NoPath> {
         let n = command.axes.len();
         let (mut start, mut target, mut scale) = ([0.0; MAX_AXES], [0.0; MAX_AXES], [1.0; MAX_AXES]);
-        let mut center = command.center;
+        let [x, y] = command.center;
+        let mut center = space.map_or([x, y, 0.0], |space| space.center);
         let relative = command.kind.is_relative();
         let rounds = command.tvl == 0.0 && !self.registers.modereg.has(ModeReg::ExactTargetPos);
         for (i, a) in command.axes.iter().enumerate() {
@@ -132,7 +162,7 @@ impl Mcu {
             if rounds {
                 target[i] = axis.rounded(target[i]);
             }
-            if i < 2 {
+            if i < 3 {
                 center[i] = if relative { start[i] + center[i] * unit } else { center[i] * unit };
             }
         }
@@ -141,8 +171,14 @@ impl Mcu {
         if command.kind.is_linear() {
             return path::line(&ends, components);
         }
-        let geometry = path::circle(&ends, center, self.sweep(command, &ends, center), components)?;
-        for (component, a) in components.iter_mut().zip(list.iter()).take(2).filter(|_| rounds) {
+        let geometry = match space {
+            Some(space) => path::circle_3d(&ends, center, space.normal, command.phi, components)?,
+            None => {
+                let center = [center[0], center[1]];
+                path::circle(&ends, center, self.sweep(command, &ends, center), components)?
+            }
+        };
+        for (component, a) in components.iter_mut().zip(list.iter()).filter(|(c, _)| rounds && c.circle) {
             component.target = self.axes[a].rounded(component.target);
         }
         Ok(geometry)
@@ -183,20 +219,25 @@ impl Mcu {
     }
 
     /// Puts the move into the spoolers of its axes and into its look-ahead chain.
-    fn enter(&mut self, command: &MotionCommand, geometry: &Geometry, components: &[Component]) {
+    fn enter(&mut self, command: &MotionCommand, geometry: &Geometry, components: &[Component], plain: bool) -> u32 {
         let axes = command.axes.set();
-        let (vl, ac) = self.limits(command, geometry, components);
+        let (vl, ac) = if plain { (command.vl, command.ac) } else { self.limits(command, geometry, components) };
         let capped = command.kind.is_linear() && self.registers.modereg.has(ModeReg::ChkMaxVel);
         let tvl = if capped { command.tvl.min(vl) } else { command.tvl };
         let before = self.chain_end(axes);
-        let junction_v =
-            before.map_or(0.0, |previous| self.turn_v(previous, command.axes, geometry, components).min(vl));
+        let junction_v = match before {
+            Some(previous) if plain => self.passing_v(previous).min(vl),
+            Some(previous) => self.turn_v(previous, command.axes, geometry, components).min(vl),
+            None => 0.0,
+        };
         let jerkrel = self.jerkrel_of(axes);
         let slot = self.moves.add(Move {
             axes,
             number: self.commands,
             line: command.line,
             rapid: command.rapid,
+            plain,
+            programmed_v: command.vl,
             length: geometry.length,
             to: geometry.length,
             curvature: geometry.curvature,
@@ -216,6 +257,13 @@ impl Mcu {
             axis.spooler.push(Entry::Move { slot, component });
             (axis.queue_end, axis.queue_tvl, axis.queue_last) = (component.target, tvl, slot);
         }
+        slot
+    }
+
+    /// Velocity with which what is no part of the look-ahead follows a move: 0 unless `sstvl` set it.
+    fn passing_v(&self, previous: u32) -> f64 {
+        let last = &self.moves[previous];
+        if last.passes { last.tvl.max(0.0) } else { 0.0 }
     }
 
     /// Interpolating axes use the smallest jerkrel of the group (design D14).

@@ -145,6 +145,43 @@ pub fn circle(ends: &Ends, center: [f64; 2], phi: f64, components: &mut Vec<Comp
     Ok(Geometry { length, curvature: angle / length, radius })
 }
 
+/// A circle of three axes in the plane through the start with that normal (4.4.30). `center` is projected onto the
+/// plane along the normal; `phi` degrees, counter-clockwise positive seen from the tip of the normal.
+pub fn circle_3d(
+    ends: &Ends,
+    center: [f64; 3],
+    normal: [f64; 3],
+    phi: f64,
+    components: &mut Vec<Component>,
+) -> Result<Geometry, NoPath> {
+    let size = normal[0].hypot(normal[1]).hypot(normal[2]);
+    let n = normal.map(|x| x / size);
+    let out: [f64; 3] = std::array::from_fn(|i| (ends.start[i] - center[i]) * ends.scale[i]);
+    let along = out[0] * n[0] + out[1] * n[1] + out[2] * n[2];
+    let r: [f64; 3] = std::array::from_fn(|i| out[i] - along * n[i]);
+    let radius = r[0].hypot(r[1]).hypot(r[2]);
+    let angle = phi.to_radians();
+    let length = radius * angle.abs();
+    if !(size > 0.0 && size.is_finite() && radius.is_finite() && length.is_finite()) {
+        return Err(NoPath::Center);
+    }
+    if radius <= NOTHING {
+        return Err(NoPath::Radius { exactly: radius == 0.0 });
+    }
+    if length <= NOTHING {
+        return Err(NoPath::Zero);
+    }
+    let (sin, cos) = angle.sin_cos();
+    let turned = [n[1] * r[2] - n[2] * r[1], n[2] * r[0] - n[0] * r[2], n[0] * r[1] - n[1] * r[0]];
+    components.clear();
+    components.extend((0..3).map(|i| {
+        let (p, q) = (r[i] / ends.scale[i], turned[i] / ends.scale[i]);
+        let base = ends.start[i] - p;
+        Component { circle: true, base, p, q, target: base + p * cos + q * sin }
+    }));
+    Ok(Geometry { length, curvature: angle / length, radius })
+}
+
 /// The angle in degrees from start to target around a centre, counter-clockwise unless `clockwise`;
 /// target = start gives a full circle (4.4.35 with |phi| <= 1e-100).
 pub fn sweep_to_target(start: [f64; 2], center: [f64; 2], target: [f64; 2], clockwise: bool) -> f64 {

@@ -62,6 +62,7 @@ impl Mcu {
 
     /// Axes stop, each on its own, with their stop deceleration sdec (js); their spoolers are discarded.
     pub fn js(&mut self, axes: AxisSet) {
+        let shaped = self.registers.modereg.has(ModeReg::SProfile);
         self.drop_pending(axes);
         for a in self.known(axes).iter() {
             let axis = &mut self.axes[a];
@@ -72,9 +73,19 @@ impl Mcu {
                 continue;
             }
             let brake_acc = if axis.parameters.sdec > 0.0 { axis.parameters.sdec } else { f64::INFINITY };
-            (axis.alone, _) = Profile::stopping(0.0, f64::INFINITY, v.abs(), brake_acc, 0.0);
+            let jerkrel = if shaped { axis.parameters.jerkrel } else { 0.0 };
+            (axis.alone, _) = Profile::stopping(0.0, f64::INFINITY, v.abs(), brake_acc, 0.0, jerkrel);
             (axis.component.base, axis.component.p) = (axis.dp, v.signum());
             (axis.doing, axis.t, axis.jogging) = (Doing::Alone, 0.0, false);
+        }
+    }
+
+    /// As [`Mcu::js`], but by a limit or by JSatSAF: until the axes stand, interpolations are not spooled for them
+    /// (ErrorReg bit 11, SpoolerLoadError).
+    pub(crate) fn stop_by_system(&mut self, axes: AxisSet) {
+        self.js(axes);
+        for a in axes.iter() {
+            self.axes[a].braked_by_system = self.axes[a].doing == Doing::Alone;
         }
     }
 
@@ -87,6 +98,8 @@ impl Mcu {
         let axis = &mut self.axes[a];
         (axis.doing, axis.function, axis.dv, axis.plan_v) = (Doing::Nothing, None, 0.0, 0.0);
         (axis.run_on_v, axis.path_v, axis.short_moves, axis.last_axes) = (0.0, 0.0, 0, AxisSet::EMPTY);
+        axis.braked_by_system = false;
+        axis.spooler.drop_points();
         axis.spooler.state = SpoolState::Direct;
         axis.forget_queue();
     }

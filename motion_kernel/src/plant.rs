@@ -128,6 +128,21 @@ impl ServoPlant {
         self.velocity = self.velocity.clamp(-top_speed, top_speed);
     }
 
+    /// Another number of counts per axis unit, `ratio` times as many units for a count (gear.rs).
+    pub(crate) fn convert(&mut self, per_unit: f64, ratio: f64) {
+        let ServoPlant { kind, half_backlash, counts_per_unit, velocity, motor, load, .. } = self;
+        *counts_per_unit = per_unit;
+        [half_backlash, velocity, motor, load].into_iter().for_each(|x| *x *= ratio);
+        match kind {
+            Kind::Velocity { speed_per_digit, most_acc } => {
+                (*speed_per_digit, *most_acc) = (*speed_per_digit * ratio, *most_acc * ratio);
+            }
+            Kind::Torque { acc_per_digit, torque, friction, top_speed, .. } => {
+                [acc_per_digit, torque, friction, top_speed].into_iter().for_each(|x| *x *= ratio);
+            }
+        }
+    }
+
     /// Position of the load, axis units.
     #[inline]
     pub fn load(&self) -> f64 {

@@ -171,6 +171,14 @@ impl PositionLoop {
             Drive::Stepper { target, stepper } => (*target, stepper.counts) = (counts, counts),
         }
     }
+    /// Another number of counts per axis unit, `ratio` times as many units for a count (gear.rs). The motor notices
+    /// nothing.
+    pub(crate) fn convert(&mut self, counts_per_unit: f64, ratio: f64) {
+        (self.counts_per_unit, self.unit_per_count) = (counts_per_unit, 1.0 / counts_per_unit);
+        if let Drive::Servo { plant, .. } = &mut self.drive {
+            plant.convert(counts_per_unit, ratio);
+        }
+    }
     /// The mechanics of a servo axis, to play faults.
     pub fn plant_mut(&mut self) -> Option<&mut ServoPlant> {
         match &mut self.drive {

@@ -228,14 +228,15 @@ impl Profile {
 
     /// Braking along a planned contour (design D17) with `brake_acc`, but harder where the plan asks for less
     /// than that leaves at `to` (`limit_v2`, squared). A plan is concave in v² over the path, so this is never
-    /// faster than planned. Returns the profile, and whether it stands still before `to`.
-    pub fn stopping(from: f64, to: f64, start_v: f64, brake_acc: f64, limit_v2: f64) -> (Profile, bool) {
+    /// faster than planned; a stop before `to` has the shape of `jerkrel`. Returns the profile, and whether it stands
+    /// still before `to`.
+    pub fn stopping(from: f64, to: f64, start_v: f64, brake_acc: f64, limit_v2: f64, jerkrel: f64) -> (Profile, bool) {
         let start_v2 = start_v * start_v;
         let stop_s = from + start_v2 / (2.0 * brake_acc);
         let mut profile = Profile::default();
         if stop_s < to {
             profile.end_s = stop_s;
-            profile.push(from, start_v, 0.0, -brake_acc, 0.0);
+            profile.push(from, start_v, 0.0, -brake_acc, jerkrel);
             return (profile, true);
         }
         let acc = brake_acc.max((start_v2 - limit_v2) / (2.0 * (to - from)));

@@ -16,6 +16,9 @@ pub const NONE: u32 = u32::MAX;
 pub const BYTES_LINEAR: u32 = 96;
 pub const BYTES_CIRCLE: u32 = 128;
 pub const BYTES_FUNCTION: u32 = 32;
+/// A block of positions (spd) takes this for itself, and so much for each position.
+pub const BYTES_POINTS: u32 = 32;
+pub const BYTES_POINT: u32 = 8;
 
 /// What an interpolation is for all its axes.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +30,14 @@ pub struct Move {
     pub rapid: bool,
     /// A direct command (mla, mca, mha ...), not from the spooler.
     pub direct: bool,
+    /// A 3-D circle: the look-ahead leaves it as it is programmed (6.3.1.5, bit 0).
+    pub plain: bool,
+    /// `sstvl` set its target velocity: what comes next may go on with it (4.4.122).
+    pub passes: bool,
+    /// PcapIndex that its axes show while they execute it.
+    pub pcap_index: Option<i32>,
+    /// Path velocity of the command, before any limit.
+    pub programmed_v: f64,
     /// Length of the whole geometry; this entry travels from `from` to `to` of it (a feed hold cuts moves).
     pub length: f64,
     pub from: f64,
@@ -63,6 +74,10 @@ impl Default for Move {
             line: 0,
             rapid: false,
             direct: false,
+            plain: false,
+            passes: false,
+            pcap_index: None,
+            programmed_v: 0.0,
             length: 0.0,
             from: 0.0,
             to: 0.0,
@@ -142,6 +157,18 @@ pub struct Function {
     pub command: u16,
     pub value: f64,
     pub line: u32,
+    /// PcapIndex that the axis shows from its execution on (ssfi).
+    pub pcap_index: Option<i32>,
+}
+
+/// A block of set points, one for each sample (spd, 4.4.117); the values wait in [`Spooler::take_point`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Points {
+    pub count: u32,
+    /// Distances from where the block begins (spdr).
+    pub relative: bool,
+    /// PcapIndex of the first point; it counts on with the points (spda, spdr).
+    pub pcap_index: Option<i32>,
 }
 
 /// One entry of an axis' spooler.
@@ -152,6 +179,7 @@ pub enum Entry {
         component: Component,
     },
     Function(Function),
+    Points(Points),
     /// Where a feed hold comes to rest; what follows waits for `resume` (hold.rs). Takes no memory.
     HoldPoint,
 }
@@ -162,6 +190,7 @@ impl Entry {
             Entry::Move { component, .. } if component.circle => BYTES_CIRCLE,
             Entry::Move { .. } => BYTES_LINEAR,
             Entry::Function(_) => BYTES_FUNCTION,
+            Entry::Points(points) => BYTES_POINTS + points.count * BYTES_POINT,
             Entry::HoldPoint => 0,
         }
     }
@@ -185,6 +214,8 @@ pub enum SpoolState {
 #[derive(Debug)]
 pub struct Spooler {
     ring: VecDeque<Entry>,
+    /// Values of the blocks of positions, in their order, those of the block being executed first.
+    points: VecDeque<f64>,
     memory: u32,
     used: u32,
     moves: u32,
@@ -194,7 +225,8 @@ pub struct Spooler {
 impl Spooler {
     pub fn new(memory: u32) -> Self {
         let most = (memory / BYTES_FUNCTION) as usize + 2;
-        Spooler { ring: VecDeque::with_capacity(most), memory, used: 0, moves: 0, state: SpoolState::Direct }
+        let points = VecDeque::new(); // grows in commands of the application only, which stand between samples
+        Spooler { ring: VecDeque::with_capacity(most), points, memory, used: 0, moves: 0, state: SpoolState::Direct }
     }
     /// Free memory in bytes (lsm, 4.4.84).
     pub fn left(&self) -> u32 {
@@ -214,6 +246,19 @@ impl Spooler {
     pub fn push(&mut self, entry: Entry) {
         self.account(&entry, true);
         self.ring.push_back(entry);
+    }
+    /// Appends a block of positions.
+    pub fn push_points(&mut self, points: Points, values: &[f64]) {
+        self.push(Entry::Points(points));
+        self.points.extend(values);
+    }
+    /// The next position of the block being executed.
+    pub fn take_point(&mut self) -> Option<f64> {
+        self.points.pop_front()
+    }
+    /// Drops the positions of a block that is broken off; all entries behind it are gone.
+    pub fn drop_points(&mut self) {
+        self.points.clear();
     }
     /// Puts an entry before all others (a feed hold puts back what it cut).
     pub fn push_front(&mut self, entry: Entry) {
@@ -238,7 +283,19 @@ impl Spooler {
     pub fn pop_back(&mut self) -> Option<Entry> {
         let entry = self.ring.pop_back()?;
         self.account(&entry, false);
+        if let Entry::Points(points) = entry {
+            self.points.truncate(self.points.len().saturating_sub(points.count as usize));
+        }
         Some(entry)
+    }
+    /// Positions get another number of axis units (gear.rs).
+    pub(crate) fn convert(&mut self, ratio: f64) {
+        for entry in &mut self.ring {
+            if let Entry::Move { component, .. } = entry {
+                component.convert(ratio);
+            }
+        }
+        self.points.iter_mut().for_each(|x| *x *= ratio);
     }
     pub fn entries(&self) -> &VecDeque<Entry> {
         &self.ring
@@ -247,7 +304,7 @@ impl Spooler {
         self.ring.get_mut(index)
     }
     fn account(&mut self, entry: &Entry, enters: bool) {
-        let (bytes, moves) = (entry.bytes(), u32::from(matches!(entry, Entry::Move { .. })));
+        let (bytes, moves) = (entry.bytes(), u32::from(matches!(entry, Entry::Move { .. } | Entry::Points(_))));
         if enters {
             self.used += bytes;
             self.moves += moves;

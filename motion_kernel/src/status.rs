@@ -70,7 +70,7 @@ impl Mcu {
             done,
             rapid: mv.is_some_and(|mv| mv.rapid),
             path_v: leader.plan_v * leader.trajectory.factor,
-            programmed_v: mv.map_or(0.0, |mv| mv.vl),
+            programmed_v: mv.map_or(0.0, |mv| mv.programmed_v),
             factor: leader.trajectory.factor,
             trovr: self.registers.trovr,
             errorreg: self.registers.errorreg,
