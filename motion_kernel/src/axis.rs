@@ -97,6 +97,12 @@ pub struct Parameters {
     pub ipw: f64,
     pub rotary: bool,
     pub jovr: f64,
+    /// Home velocity and acceleration.
+    pub hvl: f64,
+    pub hac: f64,
+    /// Offset of the set point of the loop, and the rate at which it takes effect (0 = at once).
+    pub dpoffset: f64,
+    pub dvoffset: f64,
     /// Software limits sll and slr.
     pub limits: Option<machine::SoftwareLimits>,
 }
@@ -124,6 +130,10 @@ impl Parameters {
             ipw: axis.ipw,
             rotary,
             jovr: 1.0,
+            hvl: axis.equipment.home.velocity.unwrap_or(axis.jog_velocity / 4.0),
+            hac: axis.equipment.home.acceleration.unwrap_or(axis.jog_acceleration),
+            dpoffset: 0.0,
+            dvoffset: 0.0,
             limits: axis.limits,
         }
     }
@@ -175,7 +185,6 @@ pub struct Axis {
 
     pub limiting: Limiting,
     pub status: Axst,
-    pub digo: u32,
     pub parameters: Parameters,
 }
 
@@ -208,7 +217,6 @@ impl Axis {
             function: None,
             limiting: Limiting::default(),
             status: Axst::pe,
-            digo: 0,
             parameters: Parameters::new(axis),
         }
     }

@@ -5,6 +5,18 @@ use crate::machine::PidfGains;
 /// Largest motor command, about 10 V (errata 4.4.88).
 pub const FULL_SCALE: f64 = 32_767.0;
 
+/// What the integral part may do in a sample (ControllerFlags, 6.3.1.4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Integral {
+    Free,
+    /// Cleared.
+    Zero,
+    /// Held.
+    Fix,
+    /// Not above what it is, in magnitude.
+    Limited,
+}
+
 /// (kp + ki/s + kd*s) / (1 + s*(1-KPL)*TA/2) as one bilinear filter at TA (design D26). Its pole lies at 0 for
 /// KPL 0 and at -1 for KPL 1, hence "not above 0.95". The integrator is held while the command is clamped.
 #[derive(Clone, Copy, Debug)]
@@ -68,6 +80,35 @@ impl Pidf {
         }
         (self.error, self.output) = (error, output);
         command.clamp(-FULL_SCALE, FULL_SCALE)
+    }
+
+    /// As [`Pidf::step`], with the motor command between `least` and `most` and a rule for the integral part.
+    #[cold]
+    pub fn step_within(&mut self, error: f64, ahead: f64, [least, most]: [f64; 2], rule: Integral) -> f64 {
+        let grown = self.integral + self.ki * (error + self.error);
+        let before = self.integral;
+        let mut integral = match rule {
+            Integral::Free => grown,
+            Integral::Zero => 0.0,
+            Integral::Fix => before,
+            Integral::Limited if grown.abs() > before.abs() => before,
+            Integral::Limited => grown,
+        };
+        if rule == Integral::Zero {
+            self.integral = 0.0;
+        }
+        let mut output = self.filtered(error, integral);
+        let clamped = output + ahead;
+        if (clamped > most || clamped < least) && self.ki != 0.0 {
+            integral = self.integral;
+            output = self.filtered(error, integral);
+        }
+        (self.error, self.integral, self.output) = (error, integral, output);
+        (output + ahead).clamp(least, most)
+    }
+    /// Feed-forward for velocity and acceleration of the set point.
+    pub fn ahead(&self, velocity: f64, acceleration: f64) -> f64 {
+        self.kfcv * velocity + self.kfca * acceleration
     }
 
     #[inline]

@@ -15,6 +15,9 @@ impl Mcu {
         for position_loop in &mut self.loops {
             position_loop.step_plant();
         }
+        if self.attending {
+            self.attend();
+        }
         if !self.holding {
             self.run_tasks();
         }
@@ -278,7 +281,7 @@ impl Mcu {
             let closed = (0..self.axes.len()).filter(|&a| self.loops[a].closed).collect();
             self.stop_by_system(closed);
             self.raise(ErrorReg::JSatSAFdone);
-            self.told.fault = true;
+            self.tell_fault(axes.trailing_zeros() as usize);
         }
     }
 
@@ -288,10 +291,10 @@ impl Mcu {
         for a in 0..self.axes.len() {
             let axis = &mut self.axes[a];
             let position_loop = &mut self.loops[a];
-            position_loop.control(axis.set_point(), axis.set_velocity(), axis.limiting.motor_off);
             let travels = axis.doing.travels() || axis.pending > 0;
+            position_loop.control(axis.set_point(), axis.set_velocity(), axis.limiting.motor_off, travels);
             axis.status.put(Axst::pe, !travels);
-            let off = (axis.set_point() - position_loop.rp()).abs();
+            let off = position_loop.error(axis.set_point()).abs();
             let in_position = !travels && (axis.parameters.ipw <= 0.0 || off < axis.parameters.ipw);
             axis.status.put(Axst::ip, in_position && axis.parameters.ipw > 0.0);
             settled &= in_position;
@@ -313,12 +316,20 @@ impl Mcu {
         let before = self.axes[a].status;
         self.axes[a].status.put(bits, on);
         let changed = before.0 ^ self.axes[a].status.0;
+        if on && changed & self.stop_at.0 != 0 {
+            self.tell_fault(a);
+        }
         let line = self.current_move(a).map_or(0, |mv| mv.line);
         for &(number, name, _) in Axst::ALL {
             if changed >> number & 1 == 1 {
                 self.event(EventKind::Axst, a as i32, name, on, line, i64::from(number));
             }
         }
+    }
+
+    /// Motion has left its contour, or is to end: [`crate::Stop::Fault`].
+    pub(crate) fn tell_fault(&mut self, a: usize) {
+        self.told.fault.get_or_insert(a);
     }
 
     fn record(&self, trace: &mut Trace) {

@@ -6,6 +6,7 @@ use crate::axes::{AxisList, AxisSet, MAX_AXES};
 use crate::axis::Doing;
 use crate::circle_3d::Space;
 use crate::functions::Entered;
+use crate::homing::Search;
 use crate::mcu::Mcu;
 use crate::motion::MotionCommand;
 use crate::path::{Component, Geometry};
@@ -29,6 +30,7 @@ pub(crate) struct Pending {
 #[allow(clippy::large_enum_variant)] // few, in a list of their own; a box would allocate inside a sample
 enum Direct {
     Jog { axis: usize, way: f64, relative: bool },
+    Search { axis: usize, way: f64, search: Search },
     Move(DirectMove),
 }
 
@@ -59,6 +61,14 @@ impl Mcu {
     }
 
     fn jog(&mut self, axes: &AxisList, ways: &[f64], relative: bool) -> Entered {
+        self.call_each(axes, ways, |axis, way| Direct::Jog { axis, way, relative })
+    }
+    /// A home search of each axis (homing.rs).
+    pub(crate) fn search(&mut self, axes: &AxisList, ways: &[f64], search: Search) -> Entered {
+        self.call_each(axes, ways, |axis, way| Direct::Search { axis, way, search })
+    }
+
+    fn call_each(&mut self, axes: &AxisList, ways: &[f64], command: impl Fn(usize, f64) -> Direct) -> Entered {
         if let Err(outcome) = self.check_axes(axes, axes.is_empty()) {
             return outcome;
         }
@@ -70,7 +80,7 @@ impl Mcu {
             return Entered::Full;
         }
         for (axis, &way) in axes.iter().zip(ways) {
-            self.call(Direct::Jog { axis, way, relative }, AxisSet::single(axis));
+            self.call(command(axis, way), AxisSet::single(axis));
         }
         Entered::Yes
     }
@@ -116,6 +126,10 @@ impl Mcu {
                     self.axes[axis].pending -= 1;
                     self.begin_jog(axis, way, relative);
                 }
+                Direct::Search { axis, way, search } => {
+                    self.axes[axis].pending -= 1;
+                    self.begin_search(axis, way, search);
+                }
                 Direct::Move(direct) => {
                     direct.axes.iter().for_each(|a| self.axes[a].pending -= 1);
                     self.begin_move(&direct);
@@ -129,7 +143,7 @@ impl Mcu {
         let mut index = 0;
         while index < self.pending.len() {
             let concerned = match &self.pending[index].command {
-                Direct::Jog { axis, .. } => AxisSet::single(*axis),
+                Direct::Jog { axis, .. } | Direct::Search { axis, .. } => AxisSet::single(*axis),
                 Direct::Move(direct) => direct.axes.set(),
             };
             if concerned.intersects(axes) {

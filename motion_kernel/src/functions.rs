@@ -126,8 +126,12 @@ impl Mcu {
                 }
             }
             n @ 20000..=20999 => self.cd[usize::from(n) - 20000] = value,
-            command::SET_OUTPUTS => self.write_outputs(a, self.axes[a].digo | to_mask(value), function.line),
-            command::RESET_OUTPUTS => self.write_outputs(a, self.axes[a].digo & !to_mask(value), function.line),
+            command::SET_OUTPUTS => {
+                self.write_outputs(a as i32, self.io.digo | to_mask(value), function.line);
+            }
+            command::RESET_OUTPUTS => {
+                self.write_outputs(a as i32, self.io.digo & !to_mask(value), function.line);
+            }
             _ => self.begin_wait(a, function),
         }
     }
@@ -177,11 +181,6 @@ impl Mcu {
         if number == HOST_EVENT_CI && value > 0 {
             self.event(EventKind::Host, a as i32, "host", true, line, i64::from(value) - 1);
         }
-    }
-
-    fn write_outputs(&mut self, a: usize, outputs: u32, line: u32) {
-        self.axes[a].digo = outputs;
-        self.event(EventKind::Outputs, a as i32, "digo", true, line, i64::from(outputs));
     }
 }
 

@@ -4,6 +4,7 @@
 //! and inputs give the same trace to the last bit. Emulated time is an integer sample counter.
 //! Chapters named in comments are those of the manufacturer's programming manual.
 
+mod attention;
 pub mod autocode;
 pub mod axes;
 pub mod axis;
@@ -15,15 +16,20 @@ mod direct;
 pub mod functions;
 mod gear;
 mod hold;
+pub mod homing;
+mod io;
+mod latch;
 pub mod limits;
 pub mod lookahead;
 pub mod machine;
 pub mod mcu;
 pub mod motion;
+mod offsets;
 pub mod path;
 mod pcap;
 pub mod plant;
 pub mod points;
+mod port;
 pub mod position_loop;
 pub mod profile;
 pub mod qualifiers;

@@ -39,9 +39,10 @@ pub(crate) struct AxisInputs {
     left: [u32; 3],
     right: [u32; 3],
     emergency_out: u32,
-    drive_ready: u32,
+    pub(crate) drive_ready: u32,
     user: u32,
-    reference: u32,
+    pub(crate) reference: u32,
+    pub(crate) latch: u32,
 }
 
 const FUNCTIONS: [LimitFunction; 3] = [LimitFunction::Tom, LimitFunction::Sma, LimitFunction::Smd];
@@ -63,6 +64,7 @@ impl AxisInputs {
                 InputFunction::DriveReady => &mut inputs.drive_ready,
                 InputFunction::User => &mut inputs.user,
                 InputFunction::Reference => &mut inputs.reference,
+                InputFunction::Latch => &mut inputs.latch,
             };
             *mask |= 1 << (input.number - 1);
         }
@@ -156,7 +158,7 @@ impl Mcu {
         }
         self.axes[a].limiting = limiting;
         if brakes {
-            self.told.fault = true;
+            self.tell_fault(a);
             self.stop_by_system(AxisSet::single(a));
         }
     }

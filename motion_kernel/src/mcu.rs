@@ -2,11 +2,14 @@
 //!
 //! [`Mcu::advance`] is the only way time passes; commands act between samples (pcap.rs, hold.rs).
 
+use crate::attention::Attention;
 use crate::autocode::Program;
 use crate::axes::{AxisSet, MAX_AXES};
 use crate::axis::{Axis, Doing, Wait};
+use crate::io::Io;
+use crate::latch::Signals;
 use crate::lookahead::Lookahead;
-use crate::machine::Machine;
+use crate::machine::{DriveKind, Machine};
 use crate::path::Component;
 use crate::position_loop::PositionLoop;
 use crate::registers::{Axst, ErrorReg, ModeReg};
@@ -80,7 +83,8 @@ pub(crate) struct PointCache {
 pub(crate) struct Told {
     pub acknowledge: bool,
     pub held: bool,
-    pub fault: bool,
+    /// The first axis with a fault that stops motion.
+    pub fault: Option<usize>,
     pub task_error: bool,
 }
 
@@ -98,9 +102,16 @@ pub struct Mcu {
     pub(crate) registers: Registers,
     pub(crate) ci: Vec<i32>,
     pub(crate) cd: Vec<f64>,
-    /// Digital inputs after inversion, those that are inverted, and what they mean to the axes.
+    /// Digital inputs after inversion, and what they mean to the axes.
     pub(crate) digi: u32,
-    pub(crate) inverted: u32,
+    pub(crate) io: Io,
+    pub(crate) signals: Vec<Signals>,
+    /// Drives that are there, whatever the system data say.
+    pub(crate) hardware: Vec<DriveKind>,
+    pub(crate) attention: Attention,
+    pub(crate) attending: bool,
+    /// Status bits that end a job.
+    pub(crate) stop_at: Axst,
     pub(crate) axis_inputs: Vec<crate::limits::AxisInputs>,
     pub(crate) tasks: [Task; TASKS],
     /// Contour group of the program, and the axis whose entry the trace names.
@@ -135,11 +146,14 @@ impl Mcu {
         let ta = machine.sample_time_s();
         let memory = machine.controller.spool_memory_bytes;
         let axes: Vec<Axis> = machine.axes.iter().map(|a| Axis::new(a, memory)).collect();
+        let loops: Vec<PositionLoop> =
+            machine.axes.iter().map(|a| PositionLoop::new(a, ta, machine.controller.clock_hz)).collect();
+        let (io, signals) = (Io::new(&machine), Signals::of(&machine, &loops));
         let slots = axes.len() * (memory / BYTES_LINEAR + 2) as usize;
-        Mcu {
+        let mut mcu = Mcu {
             ta,
             sample: 0,
-            loops: machine.axes.iter().map(|a| PositionLoop::new(a, ta, machine.controller.clock_hz)).collect(),
+            loops,
             axes,
             moves: Moves::with_capacity(slots),
             lookahead: Lookahead::with_capacity(slots),
@@ -155,8 +169,13 @@ impl Mcu {
             },
             ci: vec![0; COMMONS],
             cd: vec![0.0; COMMONS],
-            digi: machine.inverted_inputs(),
-            inverted: machine.inverted_inputs(),
+            digi: io.active_inputs(),
+            io,
+            signals,
+            hardware: machine.axes.iter().map(|a| a.drive).collect(),
+            attention: Attention::default(),
+            attending: false,
+            stop_at: Axst(0),
             axis_inputs: crate::limits::AxisInputs::of(&machine),
             tasks: std::array::from_fn(|_| Task::default()),
             group: AxisSet::first(machine.axes.len()),
@@ -174,7 +193,16 @@ impl Mcu {
             settle: false,
             waiting: false,
             machine,
-        }
+        };
+        mcu.begin_attending();
+        mcu
+    }
+
+    fn begin_attending(&mut self) {
+        let of = |uses: fn(&Signals) -> bool| (0..self.axes.len()).filter(|&a| uses(&self.signals[a])).collect();
+        let (index, backlash) = (of(Signals::has_index), of(|signals| signals.backlash.is_used()));
+        (0..self.axes.len()).for_each(|a| self.supply(a));
+        self.attend_to(|attention| (attention.index, attention.backlash) = (index, backlash));
     }
 
     pub fn machine(&self) -> &Arc<Machine> {
@@ -235,10 +263,7 @@ impl Mcu {
             let task = self.tasks.iter().position(Task::has_failed).unwrap_or(0);
             return Some(Stop::TaskError { task });
         }
-        if self.told.fault {
-            self.told.fault = false;
-            let faults = Axst::lsls | Axst::lsrs | Axst::mpe | Axst::eo | Axst::dhef | Axst::saf;
-            let axis = self.axes.iter().position(|a| a.status.any(faults)).unwrap_or(0);
+        if let Some(axis) = self.told.fault.take() {
             return Some(Stop::Fault { axis });
         }
         if self.events.is_nearly_full() {

@@ -3,8 +3,8 @@
 use crate::axes::AxisSet;
 use crate::axis::{Doing, Override};
 use crate::limits::{LIMIT_STATES, Limiting};
+use crate::machine::DriveKind;
 use crate::mcu::{Mcu, WAIT_CI};
-use crate::profile::Profile;
 use crate::registers::{Axst, ModeReg};
 use crate::spooler::{Entry, NONE, SpoolState};
 
@@ -65,18 +65,10 @@ impl Mcu {
         let shaped = self.registers.modereg.has(ModeReg::SProfile);
         self.drop_pending(axes);
         for a in self.known(axes).iter() {
-            let axis = &mut self.axes[a];
-            let v = axis.velocity();
-            self.enter_direct_mode(a);
-            let axis = &mut self.axes[a];
-            if v == 0.0 {
-                continue;
-            }
-            let brake_acc = if axis.parameters.sdec > 0.0 { axis.parameters.sdec } else { f64::INFINITY };
+            let axis = &self.axes[a];
+            let sdec = if axis.parameters.sdec > 0.0 { axis.parameters.sdec } else { f64::INFINITY };
             let jerkrel = if shaped { axis.parameters.jerkrel } else { 0.0 };
-            (axis.alone, _) = Profile::stopping(0.0, f64::INFINITY, v.abs(), brake_acc, 0.0, jerkrel);
-            (axis.component.base, axis.component.p) = (axis.dp, v.signum());
-            (axis.doing, axis.t, axis.jogging) = (Doing::Alone, 0.0, false);
+            self.brake_alone(a, sdec, jerkrel);
         }
     }
 
@@ -107,14 +99,16 @@ impl Mcu {
     /// Closes the loops: the actual position becomes the set point, spoolers are discarded (cl, 4.4.8).
     pub fn cl(&mut self, axes: AxisSet) {
         self.drop_pending(axes);
+        self.enable_amplifiers();
         for a in self.known(axes).iter() {
             self.enter_direct_mode(a);
             let axis = &mut self.axes[a];
-            axis.dp = self.loops[a].rp();
+            axis.dp = self.loops[a].rp() - self.loops[a].offset;
             axis.limiting = Limiting::default();
             axis.forget_queue();
             self.loops[a].close(0.0);
             self.set_status(a, Axst::saf | Axst::mpe | LIMIT_STATES, false);
+            self.forget_reference(a);
             self.axes[a].status.set(Axst::cl);
         }
     }
@@ -126,6 +120,14 @@ impl Mcu {
             self.enter_direct_mode(a);
             self.loops[a].open();
             self.axes[a].status.clear(Axst::cl);
+            self.forget_reference(a);
+        }
+        self.disable_amplifiers(self.known(axes));
+    }
+    /// A stepper axis is no longer referenced as its loop is opened or closed (4.4.45).
+    fn forget_reference(&mut self, a: usize) {
+        if self.machine.axes[a].drive == DriveKind::Stepper {
+            self.set_status(a, Axst::referenced, false);
         }
     }
 
@@ -144,6 +146,8 @@ impl Mcu {
             (axis.trajectory, axis.parameters.jovr) = (Override::default(), 1.0);
             self.set_status(a, Axst::saf | Axst::mpe | Axst::dhef | Axst::referenced, false);
         }
+        self.reset_outputs();
+        self.check_configuration();
     }
 
     /// Marks axes as referenced at their present position (shp; coordinates stay).

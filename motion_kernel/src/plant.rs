@@ -17,7 +17,10 @@ pub struct ServoPlant {
     velocity: f64,
     motor: f64,
     load: f64,
+    /// Time constant of running out without power.
+    coast_s: f64,
     blocked: bool,
+    unpowered: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -32,12 +35,15 @@ impl ServoPlant {
     /// At rest at `start` (axis units), in the middle of the backlash.
     pub fn new(axis: &Axis, ta_s: f64, start: f64) -> Self {
         let plant = &axis.plant;
+        let sign = if plant.reversed != axis.equipment.port.inverted { -1.0 } else { 1.0 };
         let most_acc =
             if plant.full_acceleration > 0.0 { plant.full_acceleration / plant.inertia } else { f64::INFINITY };
         let kind = match plant.control {
-            DriveControl::Velocity => Kind::Velocity { speed_per_digit: plant.full_speed / FULL_SCALE, most_acc },
+            DriveControl::Velocity => {
+                Kind::Velocity { speed_per_digit: sign * plant.full_speed / FULL_SCALE, most_acc }
+            }
             DriveControl::Torque => Kind::Torque {
-                acc_per_digit: most_acc / FULL_SCALE,
+                acc_per_digit: sign * most_acc / FULL_SCALE,
                 torque: 0.0,
                 friction: plant.friction / plant.inertia,
                 damping: plant.damping / plant.inertia,
@@ -54,29 +60,48 @@ impl ServoPlant {
             velocity: 0.0,
             motor: start,
             load: start,
+            coast_s: plant.coast_s,
             blocked: false,
+            unpowered: false,
         }
     }
 
     /// One sample at a motor command in digits.
     #[inline]
     pub fn step(&mut self, digits: f64) {
+        if self.blocked || self.unpowered {
+            return self.step_disturbed();
+        }
         match self.kind {
             Kind::Velocity { speed_per_digit, most_acc } => self.step_velocity(digits * speed_per_digit, most_acc),
             Kind::Torque { .. } => self.step_torque(digits),
         }
+        self.load = self.load.clamp(self.motor - self.half_backlash, self.motor + self.half_backlash);
+    }
+
+    /// Jammed mechanics do not move; without power a velocity drive runs out and a torque drive has no torque.
+    #[cold]
+    fn step_disturbed(&mut self) {
         if self.blocked {
+            self.velocity = 0.0;
             return;
+        }
+        match &mut self.kind {
+            Kind::Velocity { .. } => {
+                let decay = (-self.ta_s / self.coast_s).exp();
+                self.motor += self.velocity * self.coast_s * (1.0 - decay);
+                self.velocity *= decay;
+            }
+            Kind::Torque { torque, .. } => {
+                *torque = 0.0;
+                self.step_torque(0.0);
+            }
         }
         self.load = self.load.clamp(self.motor - self.half_backlash, self.motor + self.half_backlash);
     }
 
     #[inline]
     fn step_velocity(&mut self, wanted: f64, most_acc: f64) {
-        if self.blocked {
-            self.velocity = 0.0;
-            return;
-        }
         let behind = self.velocity - wanted;
         if behind.abs() > most_acc * self.lag_s {
             return self.step_saturated(wanted, most_acc);
@@ -108,10 +133,6 @@ impl ServoPlant {
         let behind = *torque - wanted;
         let drive_acc = wanted + behind * self.lag_s / self.ta_s * (1.0 - self.decay); // mean over the sample
         *torque = wanted + behind * self.decay;
-        if self.blocked {
-            self.velocity = 0.0;
-            return;
-        }
         let (friction, damping, top_speed) = (*friction, *damping, *top_speed);
         let mut left_t = self.ta_s;
         // a sample has at most three phases: to a stop, away from it, at the highest speed
@@ -157,9 +178,17 @@ impl ServoPlant {
     pub fn velocity(&self) -> f64 {
         self.velocity
     }
+    /// Position of the motor, axis units.
+    pub fn motor(&self) -> f64 {
+        self.motor
+    }
     /// The mechanics jam (true) or come free.
     pub fn block(&mut self, blocked: bool) {
         self.blocked = blocked;
+    }
+    /// The drive has power (true) or lets the motor run out.
+    pub fn power(&mut self, on: bool) {
+        self.unpowered = !on;
     }
     /// Something from outside moves motor and load by a distance in axis units.
     pub fn push(&mut self, distance: f64) {
@@ -194,7 +223,12 @@ pub struct Stepper {
     /// Clock ticks since the last step.
     phase: f64,
     pub mcp: i32,
+    /// Steps that were output.
     pub counts: i64,
+    /// Steps that the motor did not make.
+    lost: i64,
+    pub(crate) blocked: bool,
+    pub(crate) unpowered: bool,
 }
 
 /// Largest delay that can be written and that is ever reported (errata 4.4.162).
@@ -203,7 +237,15 @@ pub const MOST_DELAY: i32 = 1_048_575;
 
 impl Stepper {
     pub fn new(clock_hz: f64, ta_s: f64, counts: i64) -> Self {
-        Stepper { ticks_per_sample: clock_hz * ta_s, phase: 0.0, mcp: 0, counts }
+        Stepper {
+            ticks_per_sample: clock_hz * ta_s,
+            phase: 0.0,
+            mcp: 0,
+            counts,
+            lost: 0,
+            blocked: false,
+            unpowered: false,
+        }
     }
     /// One sample of pulses at the delay `mcp`.
     pub fn run(&mut self) {
@@ -215,13 +257,29 @@ impl Stepper {
         self.phase += self.ticks_per_sample;
         let steps = (self.phase / period).floor();
         self.phase -= steps * period;
-        self.counts = self.counts.saturating_add(steps as i64 * i64::from(self.mcp.signum()));
+        self.output(steps as i64 * i64::from(self.mcp.signum()));
+    }
+    #[inline]
+    fn output(&mut self, steps: i64) {
+        self.counts = self.counts.saturating_add(steps);
+        if self.blocked || self.unpowered {
+            self.lost = self.lost.saturating_add(steps);
+        }
+    }
+    /// Where the motor stands, steps.
+    #[inline]
+    pub fn motor(&self) -> i64 {
+        self.counts.saturating_sub(self.lost)
+    }
+    /// Something from outside turns the motor.
+    pub fn push(&mut self, steps: i64) {
+        self.lost = self.lost.saturating_sub(steps);
     }
     /// As many pulses as lead to `target` within the sample; mcp is the delay between them.
     #[inline]
     pub fn follow(&mut self, target: i64) {
         let steps = target.saturating_sub(self.counts);
-        self.counts = target;
+        self.output(steps);
         self.mcp = if steps == 0 { 0 } else { self.delay_of(steps) };
     }
     fn delay_of(&self, steps: i64) -> i32 {

@@ -1,25 +1,36 @@
 //! The position loop of one axis: plant, encoder, PIDF filter, motor command port (chapters 2.1, 4.2).
+//!
+//! Counts of the machine start at its position at boot; coordinates may be shifted against them (shp, wrrp, zero
+//! offsets, backlash compensation). Whatever is not the plain loop sets `special` and goes its own way (port.rs).
 
 use crate::controller::{FULL_SCALE, Pidf};
 use crate::machine::{self, DriveKind, PidfGains};
 use crate::plant::{MOST_DELAY_WRITTEN, ServoPlant, Stepper, whole};
+use crate::port::Special;
 
 /// Loop and plant of an axis.
 #[derive(Debug)]
 pub struct PositionLoop {
     pub closed: bool,
-    counts_per_unit: f64,
-    unit_per_count: f64,
+    pub(crate) counts_per_unit: f64,
+    pub(crate) unit_per_count: f64,
     ta_s: f64,
     gains: PidfGains,
-    drive: Drive,
+    pub(crate) drive: Drive,
     /// Encoder position in whole counts, now and a sample ago.
-    counts: i64,
-    counts_before: i64,
+    pub(crate) counts: i64,
+    pub(crate) counts_before: i64,
+    /// Counts of the machine where the coordinate is 0, without and with backlash compensation.
+    pub(crate) origin: i64,
+    pub(crate) encoder_origin: i64,
+    /// dpoffset in effect, axis units.
+    pub(crate) offset: f64,
+    pub(crate) is_special: bool,
+    pub(crate) special: Special,
 }
 
 #[derive(Debug)]
-enum Drive {
+pub(crate) enum Drive {
     Servo {
         filter: Pidf,
         plant: ServoPlant,
@@ -47,6 +58,7 @@ impl PositionLoop {
             },
             DriveKind::Stepper => Drive::Stepper { target: counts, stepper: Stepper::new(clock_hz, ta, counts) },
         };
+        let special = Special::new(axis);
         PositionLoop {
             closed: false,
             counts_per_unit: axis.counts_per_unit,
@@ -56,6 +68,11 @@ impl PositionLoop {
             drive,
             counts,
             counts_before: counts,
+            origin: 0,
+            encoder_origin: 0,
+            offset: 0.0,
+            is_special: special.is_needed(),
+            special,
         }
     }
     /// Encoder position, axis units.
@@ -70,19 +87,32 @@ impl PositionLoop {
     /// Position of the load side, axis units (design D21).
     #[inline]
     pub fn load(&self) -> f64 {
-        match &self.drive {
-            Drive::Servo { plant, .. } => plant.load(),
-            Drive::Stepper { .. } => self.rp(),
+        if self.is_special && self.special.simulated {
+            return self.rp();
         }
+        match &self.drive {
+            Drive::Servo { plant, .. } => plant.load() - self.origin as f64 * self.unit_per_count,
+            Drive::Stepper { stepper, .. } => {
+                (stepper.motor().saturating_sub(self.origin)) as f64 * self.unit_per_count
+            }
+        }
+    }
+    /// Following error of a set point (axis units).
+    #[inline]
+    pub fn error(&self, set_point: f64) -> f64 {
+        set_point + self.offset - self.rp()
     }
     /// The drive follows the last motor command for one sample.
     #[inline]
     pub fn step_plant(&mut self) {
         self.counts_before = self.counts;
+        if self.is_special {
+            return self.step_special();
+        }
         match &mut self.drive {
             Drive::Servo { plant, digits, .. } => {
                 plant.step(*digits);
-                self.counts = plant.counts();
+                self.counts = plant.counts().saturating_sub(self.encoder_origin);
             }
             Drive::Stepper { target, stepper } => {
                 if self.closed {
@@ -90,30 +120,33 @@ impl PositionLoop {
                 } else {
                     stepper.run();
                 }
-                self.counts = stepper.counts;
+                self.counts = stepper.counts.saturating_sub(self.encoder_origin);
             }
         }
     }
     /// The filter computes the next motor command for set point `dp` moving at `dv` (axis units). Towards the
     /// side `motor_off` (-1, +1; 0 = none) the motor gets no command (limit function TOM). In open loop the
-    /// motor command stays what it is.
+    /// motor command stays what it is. `travels`: the axis executes a profile.
     #[inline]
-    pub fn control(&mut self, dp: f64, dv: f64, motor_off: f64) {
+    pub fn control(&mut self, dp: f64, dv: f64, motor_off: f64, travels: bool) {
         if !self.closed {
             return;
+        }
+        if self.is_special {
+            return self.control_special(dp, dv, motor_off, travels);
         }
         match &mut self.drive {
             Drive::Servo { filter, per_sample, velocity, digits, .. } => {
                 let v = dv * self.counts_per_unit;
                 let a = (v - *velocity) * *per_sample;
                 *velocity = v;
-                *digits = filter.step(dp * self.counts_per_unit - self.counts as f64, v, a);
+                *digits = filter.step((dp + self.offset) * self.counts_per_unit - self.counts as f64, v, a);
                 if *digits * motor_off > 0.0 {
                     *digits = 0.0;
                 }
             }
             Drive::Stepper { target, .. } => {
-                let wanted = whole(dp * self.counts_per_unit);
+                let wanted = whole((dp + self.offset) * self.counts_per_unit).saturating_add(self.encoder_origin);
                 if wanted.saturating_sub(*target) as f64 * motor_off <= 0.0 {
                     *target = wanted;
                 }
@@ -128,8 +161,9 @@ impl PositionLoop {
                 filter.reset();
                 *velocity = dv * self.counts_per_unit;
             }
-            Drive::Stepper { target, .. } => *target = self.counts,
+            Drive::Stepper { target, stepper } => *target = stepper.counts,
         }
+        self.special.simulated_counts = self.counts;
     }
     /// Opening the loop puts 0 on the motor command port (2.1.1).
     pub fn open(&mut self) {
@@ -146,8 +180,13 @@ impl PositionLoop {
     }
     /// Writes the motor command port (4.4.162), within its range. A closed loop overwrites it in the next sample.
     pub fn set_mcp(&mut self, mcp: i32) {
+        let port = &self.special.port;
         match &mut self.drive {
-            Drive::Servo { digits, .. } => *digits = f64::from(mcp).clamp(-FULL_SCALE, FULL_SCALE),
+            // 0 is always possible: it is what opens the loop
+            Drive::Servo { digits, .. } if mcp == 0 => *digits = 0.0,
+            Drive::Servo { digits, .. } => {
+                *digits = f64::from(mcp).clamp(-FULL_SCALE, FULL_SCALE).clamp(port.min, port.max);
+            }
             Drive::Stepper { stepper, .. } => stepper.mcp = mcp.clamp(-MOST_DELAY_WRITTEN, MOST_DELAY_WRITTEN),
         }
     }
@@ -161,20 +200,14 @@ impl PositionLoop {
             filter.tune(gains, self.ta_s);
         }
     }
-    /// Gives the present position another coordinate (wrrp, 4.4.167).
-    pub fn set_rp(&mut self, rp: f64) {
-        let counts = whole(rp * self.counts_per_unit);
-        let shift = counts.saturating_sub(self.counts);
-        (self.counts, self.counts_before) = (counts, self.counts_before.saturating_add(shift));
-        match &mut self.drive {
-            Drive::Servo { plant, .. } => plant.push(shift as f64 * self.unit_per_count),
-            Drive::Stepper { target, stepper } => (*target, stepper.counts) = (counts, counts),
-        }
-    }
     /// Another number of counts per axis unit, `ratio` times as many units for a count (gear.rs). The motor notices
     /// nothing.
     pub(crate) fn convert(&mut self, counts_per_unit: f64, ratio: f64) {
         (self.counts_per_unit, self.unit_per_count) = (counts_per_unit, 1.0 / counts_per_unit);
+        self.offset *= ratio;
+        if let Some(encoder) = &mut self.special.encoder {
+            encoder.counts_per_unit /= ratio;
+        }
         if let Drive::Servo { plant, .. } = &mut self.drive {
             plant.convert(counts_per_unit, ratio);
         }

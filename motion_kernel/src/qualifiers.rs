@@ -9,7 +9,7 @@ use crate::limits::Limiting;
 use crate::machine::{LimitFunction, PidfGains, SoftwareLimits};
 use crate::mcu::Mcu;
 use crate::plant::ServoPlant;
-use crate::registers::Axst;
+use crate::registers::{Axst, ControllerFlags};
 
 /// Takes a value over if it is a finite number that `allowed` accepts.
 fn put(slot: &mut f64, value: f64, allowed: impl Fn(f64) -> bool) -> bool {
@@ -37,9 +37,9 @@ impl Mcu {
     pub fn rddv(&self, axis: usize) -> f64 {
         self.axes[axis].dv
     }
-    /// Following error dp - rp (4.4.93).
+    /// Following error dp - rp (4.4.93), with dpoffset: what the loop sees.
     pub fn rdPosErr(&self, axis: usize) -> f64 {
-        self.rddp(axis) - self.rdrp(axis)
+        self.loops[axis].error(self.rddp(axis))
     }
     /// Axis status word (4.4.45).
     pub fn rdaxst(&self, axis: usize) -> Axst {
@@ -49,14 +49,6 @@ impl Mcu {
     pub fn rdaxstb(&self, axis: usize, bitnr: u32) -> i32 {
         let bit = (1..=32).contains(&bitnr).then(|| self.axst(axis).0 >> (bitnr - 1) & 1);
         bit.unwrap_or(0) as i32
-    }
-    /// Digital inputs after inversion, bit n-1 = input n (4.4.52).
-    pub fn rddigi(&self) -> u32 {
-        self.digi
-    }
-    /// One of them; `bitnr` counts from 1 (4.4.53).
-    pub fn rddigib(&self, bitnr: u32) -> i32 {
-        if (1..=32).contains(&bitnr) { (self.digi >> (bitnr - 1) & 1) as i32 } else { 0 }
     }
     /// Sample time in microseconds; success is 1 (4.4.98).
     pub fn rdSampleTime(&self) -> (i32, i32) {
@@ -89,7 +81,7 @@ impl Mcu {
     /// The actual position becomes the desired position (4.4.112), at once. A running profile replaces it again.
     pub fn RPtoDP(&mut self, axes: AxisSet) {
         for a in self.known(axes).iter() {
-            self.axes[a].dp = self.loops[a].rp();
+            self.axes[a].dp = self.loops[a].rp() - self.loops[a].offset;
             if self.axes[a].is_drained() {
                 self.axes[a].forget_queue();
             }
@@ -118,6 +110,35 @@ impl Mcu {
             let cleared = Axst::referenced | Axst::saf | Axst::mpe | Axst::dhef | Axst::lsls | Axst::lsrs;
             self.set_status(a, cleared, false);
         }
+        self.reset_outputs();
+    }
+    /// Options of the position loop of a servo axis (4.4.51).
+    pub fn rdControllerFlags(&self, axis: usize) -> ControllerFlags {
+        self.loops[axis].special.flags
+    }
+    /// Sets them (4.4.137). Bits without a meaning are kept and do nothing.
+    pub fn wrControllerFlags(&mut self, axis: usize, flags: ControllerFlags) {
+        self.loops[axis].set_special(|special| special.flags = flags);
+    }
+    /// Dead band of the control deviation in counts for ControllerFlags (ControllerParams[8][0], 6.3.1.4).
+    pub fn set_dead_band(&mut self, axis: usize, counts: f64) {
+        self.loops[axis].set_special(|special| special.dead_band = counts);
+    }
+    /// Counts of the encoder of a stepper axis (register aux with encoder verification, 4.4.44).
+    pub fn encoder_counts(&self, axis: usize) -> i64 {
+        self.loops[axis].aux()
+    }
+    /// Steps per encoder count of a stepper axis with encoder verification (4.4.67).
+    pub fn rdgfaux(&self, axis: usize) -> f64 {
+        self.loops[axis].special.gfaux
+    }
+    /// Sets it (4.4.146); 0 is refused.
+    pub fn wrgfaux(&mut self, axis: usize, gfaux: f64) -> bool {
+        let ok = gfaux != 0.0 && gfaux.is_finite();
+        if ok {
+            self.loops[axis].set_special(|special| special.gfaux = gfaux);
+        }
+        ok
     }
 
     /// Coefficients of the PIDF filter (4.4.64).

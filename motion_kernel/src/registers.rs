@@ -120,6 +120,50 @@ bits! {
     }
 }
 
+bits! {
+    /// ControllerFlags of a servo axis (6.3.1.4, table 35).
+    ControllerFlags {
+        MoveControl = 0, "MoveControl", "the Move flags act while the axis executes a profile";
+        MoveZero = 1, "MoveZero", "the integral part is cleared";
+        MoveDeadBand = 2, "MoveDeadBand", "the integral part does not grow outside the dead band";
+        MoveFix = 3, "MoveFix", "the integral part is held";
+        StopControl = 8, "StopControl", "the Stop flags act while the axis stands in closed loop";
+        StopZero = 9, "StopZero", "the integral part is cleared";
+        StopDeadBand = 10, "StopDeadBand", "the integral part does not grow outside the dead band";
+        StopFix = 11, "StopFix", "the integral part is held";
+    }
+}
+
+bits! {
+    /// Signals of one axis in its digi word, beside the 16 digital inputs (4.4.52.1).
+    Digi {
+        index = 16, "index", "index signal of the encoder, as it is now";
+        error = 17, "error", "error of the measuring system, stored";
+        index_edge = 18, "index_edge", "index signal of the encoder, stored edge";
+        strobe = 19, "strobe", "hardware latch signal, stored edge";
+        AEA = 20, "AEA", "encoder alarm of channel A";
+        AEB = 21, "AEB", "encoder alarm of channel B";
+        AEN = 22, "AEN", "encoder alarm of the index channel";
+        AES = 23, "AES", "encoder alarm, sum of all";
+    }
+}
+
+bits! {
+    /// Interface status (4.4.70.1).
+    Ifs {
+        edv = 0, "edv", "the data in the EEPROM are valid";
+        cncrdy = 1, "cncrdy", "the CNC-ready relay is closed";
+        pfe = 16, "pfe", "supply below 2.85 V, also after power-up";
+        wdog = 17, "wdog", "watchdog of the primary circuit";
+        iae = 18, "iae", "invalid access inside the operating system";
+        scwdog = 19, "scwdog", "watchdog of the secondary circuit";
+        scpfe = 20, "scpfe", "supply below 4.75 V, also after power-up";
+        bus_error = 21, "bus_error", "communication error";
+        EpmBaseResetFlag = 22, "EpmBaseResetFlag", "reset of the inputs and outputs of the base board";
+        EpmOpmfResetFlag = 23, "EpmOpmfResetFlag", "reset of the inputs and outputs of the option board";
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -135,7 +179,7 @@ mod tests {
 
     #[test]
     fn no_bit_stands_twice() {
-        for table in [Axst::ALL, ErrorReg::ALL, ModeReg::ALL] {
+        for table in [Axst::ALL, ErrorReg::ALL, ModeReg::ALL, ControllerFlags::ALL, Digi::ALL, Ifs::ALL] {
             let mut numbers: Vec<u32> = table.iter().map(|row| row.0).collect();
             numbers.dedup();
             assert_eq!(numbers.len(), table.len());

@@ -109,7 +109,7 @@ impl Mcu {
             memory: self.machine.controller.spool_memory_bytes,
             jovr: self.rdjovr(a),
             spool_state: axis.spooler.state,
-            digo: axis.digo,
+            digo: self.rddigo(),
         }
     }
 
@@ -123,6 +123,17 @@ impl Mcu {
         self.cl(all);
         self.set_referenced(all);
         self.settle = true;
+        self.stop_at = self.machine.controller.stop_at;
+    }
+
+    /// What the application does at a fault: tasks stop and all axes with them, in their loops as far as there is power.
+    pub fn stop_job(&mut self) {
+        (0..self.tasks.len()).for_each(|task| self.stopcnct(task));
+        let all = self.all_axes();
+        let dead = |a: usize| self.axes[a].status.any(Axst::eo | Axst::dnr);
+        let without_power: AxisSet = (0..self.axes.len()).filter(|&a| dead(a)).collect();
+        self.js(all.without(without_power));
+        self.ol(without_power);
     }
 
     /// The application has done what the spooler waits for: halted spoolers (ssf 1000) go on, CI99 becomes 0.
@@ -142,6 +153,8 @@ impl Mcu {
     }
     pub fn set_modereg(&mut self, modereg: ModeReg) {
         self.registers.modereg = modereg;
+        let simulated = modereg.has(ModeReg::SimulationMode);
+        self.loops.iter_mut().for_each(|position_loop| position_loop.simulate(simulated));
     }
     pub fn errorreg(&self) -> ErrorReg {
         self.registers.errorreg
@@ -165,13 +178,6 @@ impl Mcu {
     }
     pub fn set_cd(&mut self, number: usize, value: f64) {
         self.cd[number] = value;
-    }
-    /// Levels of the digital inputs of the base board, bit n-1 = input n.
-    pub fn set_inputs(&mut self, levels: u32) {
-        self.digi = levels ^ self.inverted;
-    }
-    pub fn outputs(&self, axis: usize) -> u32 {
-        self.axes[axis].digo
     }
     /// Axis qualifiers, in PU and TU: rdMDVel, rdMaxVel, ... and their writers.
     pub fn parameters(&self, axis: usize) -> &crate::axis::Parameters {

@@ -155,8 +155,8 @@ fn status_bits_follow_their_inputs() {
             for active in [false, true, false] {
                 mcu.set_inputs(if active != inverted { INPUT_3 } else { 0 });
                 mcu.run(1);
-                assert_eq!(mcu.rddigi() & INPUT_3 != 0, active);
-                assert_eq!((mcu.rddigib(3), mcu.rddigib(2)), (i32::from(active), 0));
+                assert_eq!(mcu.rddigi(0) & INPUT_3 != 0, active);
+                assert_eq!((mcu.rddigib(0, 3), mcu.rddigib(0, 2)), (i32::from(active), 0));
                 assert_eq!(mcu.axst(0).has(bit), active == when, "{function} {active}");
                 assert!(!mcu.axst(1).has(bit), "only for its axis");
             }

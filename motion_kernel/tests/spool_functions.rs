@@ -201,7 +201,7 @@ fn functions_switch_outputs_and_are_told() {
     ssf(&mut m, &[0], 1002, 4.0);
     ssf(&mut m, &[0], 198, 3.0);
     let trace = run(&mut m);
-    assert_eq!(m.outputs(0), 1);
+    assert_eq!(m.rddigo(), 1);
     let events = m.events();
     let kinds: Vec<(EventKind, i64, u32)> = events.iter().map(|e| (e.kind, e.value, e.line)).collect();
     assert_eq!(kinds, [(EventKind::Outputs, 5, 7), (EventKind::Outputs, 1, 7), (EventKind::Host, 2, 7)]);

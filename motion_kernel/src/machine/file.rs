@@ -3,8 +3,9 @@
 
 use toml::de::DeTable;
 
+use super::equipment::{equipment, output};
 use super::gcode::gcode_defaults;
-use super::section::{Findings, MachineDiagnostic, Section};
+use super::section::{Findings, MachineDiagnostic, Section, nearest};
 use super::*;
 use crate::axes::MAX_AXES;
 
@@ -57,6 +58,7 @@ pub(super) fn machine(file: Section<'_, '_>) -> Machine {
     };
     let machine = Machine {
         inputs: file.sections("input").into_iter().map(|section| input(section, &axes)).collect(),
+        outputs: file.sections("output").into_iter().map(|section| output(section, &axes)).collect(),
         name: file.text("name").unwrap_or("machine").to_owned(),
         tolerance_mm: file.number("tolerance_mm", "mm", TINY..=BIG, 0.05),
         axes,
@@ -88,6 +90,7 @@ impl Default for Controller {
             statements_per_sample: 20,
             lookahead_depth: 0,
             clock_hz: 66.66666e6, // APCI-8008; 70 MHz on the APCI-8001
+            stop_at: Axst::eo | Axst::dnr | Axst::lslh | Axst::lsrh,
         }
     }
 }
@@ -101,9 +104,25 @@ fn controller(section: Section<'_, '_>) -> Controller {
         statements_per_sample: section.integer("statements_per_sample", 1..=100_000, default.statements_per_sample),
         lookahead_depth: section.integer("lookahead_depth", 0..=1_000_000, default.lookahead_depth),
         clock_hz: section.number("clock_hz", "Hz", 1e6..=1e9, default.clock_hz),
+        stop_at: stop_at(&section).unwrap_or(default.stop_at),
     };
     section.done();
     controller
+}
+
+fn stop_at(section: &Section<'_, '_>) -> Option<Axst> {
+    let mut bits = Axst::default();
+    for (name, span) in section.texts("stop_at")? {
+        match Axst::by_name(name) {
+            Some(bit) => bits.set(bit),
+            None => {
+                let known: Vec<&str> = Axst::ALL.iter().map(|row| row.1).collect();
+                let hint = nearest(name, &known).map(|near| format!("did you mean {near}?"));
+                section.finding_at(span, "MC107", &format!("stop_at: unknown axst bit '{name}'"), hint);
+            }
+        }
+    }
+    Some(bits)
 }
 
 fn axis(section: Section<'_, '_>) -> Axis {
@@ -139,6 +158,7 @@ fn axis(section: Section<'_, '_>) -> Axis {
         effradius: section.number("effradius", "mm", TINY..=BIG, 180.0 / std::f64::consts::PI),
         start: section.number("start", unit, -BIG..=BIG, 0.0),
         reference: section.number("reference", unit, -BIG..=BIG, 0.0),
+        equipment: equipment(&section, unit),
         name,
     };
     section.done();
@@ -158,7 +178,7 @@ pub(super) const LIMIT_FUNCTIONS: [(&str, LimitFunction); 4] = [
 /// Address letters of part programs that may name an axis (din66025.md section 4).
 pub const AXIS_LETTERS: &str = "XYZABCUVW";
 
-pub(super) const INPUT_FUNCTIONS: [(&str, InputFunction); 10] = [
+pub(super) const INPUT_FUNCTIONS: [(&str, InputFunction); 11] = [
     ("LSL_TOM", InputFunction::Limit(Side::Left, LimitFunction::Tom)),
     ("LSL_SMA", InputFunction::Limit(Side::Left, LimitFunction::Sma)),
     ("LSL_SMD", InputFunction::Limit(Side::Left, LimitFunction::Smd)),
@@ -169,6 +189,7 @@ pub(super) const INPUT_FUNCTIONS: [(&str, InputFunction); 10] = [
     ("DR", InputFunction::DriveReady),
     ("UI", InputFunction::User),
     ("REF", InputFunction::Reference),
+    ("LP", InputFunction::Latch),
 ];
 
 fn input(section: Section<'_, '_>, axes: &[Axis]) -> Input {
@@ -240,6 +261,8 @@ impl Plant {
             inertia: 1.0,
             friction: 0.0,
             damping: 0.0,
+            coast_s: 0.1,
+            reversed: false,
         }
     }
 }
@@ -256,6 +279,8 @@ fn plant(section: Section<'_, '_>, rapid: f64, unit: &str) -> Plant {
         inertia: section.number("inertia", "", 1e-3..=1e3, 1.0),
         friction: section.number("friction", &acc_unit, 0.0..=BIG, 0.0),
         damping: section.number("damping", "1/s", 0.0..=1e6, 0.0),
+        coast_s: section.number("coast_s", "s", 1e-4..=100.0, default.coast_s),
+        reversed: section.flag("reversed").unwrap_or(false),
     };
     if plant.control == DriveControl::Torque && plant.full_acceleration == 0.0 {
         section.finding("control", "MC104", "a torque-controlled drive needs full_acceleration");

@@ -1,7 +1,9 @@
 //! The machine file: it stands for system.dat (design 3.5). Read once, validated once, then immutable.
 
 use crate::axes::AxisSet;
+use crate::registers::Axst;
 
+mod equipment;
 mod file;
 mod gcode;
 mod reference;
@@ -9,6 +11,7 @@ mod reference;
 mod section;
 mod show;
 
+pub use equipment::{Encoder, Equipment, Home, Index, Output, Port};
 pub use file::{AXIS_LETTERS, BUILTIN};
 pub use gcode::has_fixed_meaning;
 pub use reference::machine_reference;
@@ -23,6 +26,8 @@ pub struct Machine {
     pub controller: Controller,
     /// Digital inputs that are inverted or have a function.
     pub inputs: Vec<Input>,
+    /// Digital outputs that are on after a reset or have a function.
+    pub outputs: Vec<Output>,
     pub gcode: GcodeDefaults,
     /// Verdict limit of the contour deviation, mm.
     pub tolerance_mm: f64,
@@ -42,6 +47,8 @@ pub struct Controller {
     pub lookahead_depth: u32,
     /// Clock of the pulse generators of stepper axes (4.4.162).
     pub clock_hz: f64,
+    /// Status bits at which the application ends a job.
+    pub stop_at: Axst,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,6 +112,7 @@ pub struct Axis {
     /// Start position of a G-code run and reference position (G28).
     pub start: f64,
     pub reference: f64,
+    pub equipment: Equipment,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,6 +139,8 @@ pub enum InputFunction {
     DriveReady,
     User,
     Reference,
+    /// LP: latches the position.
+    Latch,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -167,6 +177,10 @@ pub struct Plant {
     /// Deceleration of inertia 1 by dry friction, and per velocity by viscous friction (torque control only).
     pub friction: f64,
     pub damping: f64,
+    /// Time constant in which a velocity-controlled axis runs out without power, s.
+    pub coast_s: f64,
+    /// A positive motor command drives the axis to the left.
+    pub reversed: bool,
 }
 
 /// What the motor command means to the drive.
@@ -298,6 +312,11 @@ impl Machine {
     /// Mask of the inverted digital inputs.
     pub fn inverted_inputs(&self) -> u32 {
         self.inputs.iter().filter(|i| i.inverted).fold(0, |mask, i| mask | 1 << (i.number - 1))
+    }
+    /// Levels of the digital inputs while nothing is wrong: no switch is actuated, all drives are ready.
+    pub fn resting_inputs(&self) -> u32 {
+        let ready = self.inputs.iter().filter(|i| matches!(i.function, Some((_, InputFunction::DriveReady))));
+        self.inverted_inputs() ^ ready.fold(0, |mask, i| mask | 1 << (i.number - 1))
     }
     pub fn sample_time_s(&self) -> f64 {
         f64::from(self.controller.sample_ticks) * 64e-6

@@ -19,7 +19,12 @@ counts_per_unit = 1e4
 limits = { left = -1.0, right = 1.0 }
 pidf = {}
 plant = {}
+index = { width = 0.1 }
+encoder = { counts_per_unit = 1.0 }
+port = {}
 [[input]]
+number = 1
+[[output]]
 number = 1
 [gcode]
 dialect = {}
@@ -40,6 +45,11 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ("controller.statements_per_sample", "Statements of a CNC task in one sample (design D4).", ""),
     ("controller.lookahead_depth", "Entries that the look-ahead considers; 0 = all that are spooled.", ""),
     ("controller.clock_hz", "Clock of the step pulses (4.4.162): 66.66666 MHz APCI-8008, 70 MHz APCI-8001.", ""),
+    (
+        "controller.stop_at",
+        "Status bits (4.4.45) at which `run` stops all axes and ends the job with exit code 3; others are alarms only.",
+        "eo, dnr, lslh, lsrh",
+    ),
     ("axis.name", "1 to 8 letters, digits or _, a letter first; unique.", "required"),
     (
         "axis.letter",
@@ -68,6 +78,21 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ),
     ("axis.start", "Position of the axis when a run begins.", ""),
     ("axis.reference", "Reference position of G28, machine coordinate.", ""),
+    ("axis.home_velocity", "Velocity hvl of jhi, jhl, jhr (4.4.148).", "jog_velocity / 4"),
+    ("axis.home_acceleration", "Acceleration hac of jhi, jhl, jhr (4.4.147).", "jog_acceleration"),
+    ("axis.backlash_compensation", "Way that the motor is sent further to the left after a reversal.", ""),
+    ("axis.backlash_hysteresis", "Way back before a reversal counts.", ""),
+    ("axis.index.position", "Where an index pulse of the encoder begins, machine coordinate.", ""),
+    ("axis.index.period", "Distance of the index pulses; 0 = a single one.", ""),
+    ("axis.index.width", "Width of a pulse.", "required"),
+    ("axis.index.inverted", "The index signal is active between the pulses (polarity, 4.4.52).", "false"),
+    ("axis.encoder.counts_per_unit", "Encoder of a stepper axis on its auxiliary channel (register aux).", ""),
+    ("axis.encoder.feedback", "Actual positions come from that encoder, times gfaux (4.4.67).", "false"),
+    ("axis.port.max", "Largest motor command mcpmax (32767 = 10 V).", ""),
+    ("axis.port.min", "Smallest motor command mcpmin.", ""),
+    ("axis.port.positive", "Zero compensation mcpcp: added to positive motor commands.", ""),
+    ("axis.port.negative", "Zero compensation mcpcn: subtracted from negative motor commands.", ""),
+    ("axis.port.inverted", "The output signal is inverted (4.4.162).", "false"),
     ("axis.limits.left", "Left software limit sll (2.4).", ""),
     ("axis.limits.right", "Right software limit slr; right of the left one.", ""),
     ("axis.limits.function", "What happens there: TOM motor off, SMA abrupt stop, SMD braking with sdec.", ""),
@@ -88,15 +113,21 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ("axis.plant.inertia", "Inertia of drive and load, 1 = as in the other values.", ""),
     ("axis.plant.friction", "Deceleration of inertia 1 by dry friction (torque control).", ""),
     ("axis.plant.damping", "Deceleration of inertia 1 per velocity by viscous friction (torque control).", ""),
+    ("axis.plant.coast_s", "Time constant in which a velocity-controlled axis runs out without power.", ""),
+    ("axis.plant.reversed", "A positive output drives the axis to the left (for port.inverted).", "false"),
     ("axis.plant.backlash", "Play between motor (encoder) and load.", ""),
     ("input.number", "Digital input of the base board. One with several functions has several tables.", ""),
     ("input.inverted", "The input is active when its level is low (4.4.52).", "false"),
     ("input.axis", "Name of the axis that the function is for.", "none"),
     (
         "input.function",
-        "Limit switch left or right with TOM, SMA or SMD (2.4); EO, DR, UI, REF: status bits eo, dnr (while inactive), ui, refh of the axis (4.4.45).",
+        "Limit switch left or right with TOM, SMA or SMD (2.4); EO, DR, UI, REF: status bits eo, dnr (while inactive), ui, refh of the axis (4.4.45); LP latches its position (4.4.82).",
         "none",
     ),
+    ("output.number", "Digital output of the base board.", ""),
+    ("output.on", "Its state after boot, ra and rs (4.4.42, 4.4.113).", "false"),
+    ("output.axis", "Name of the axis that the function is for.", "none"),
+    ("output.function", "PAE: on while the loop of the axis is closed; without it the drive has no power.", "none"),
     (
         "gcode.modereg",
         "MODEREG bits by name (6.3.1.5, table 36).",
@@ -195,7 +226,7 @@ pub fn machine_reference() -> String {
 fn heading(table: &str) -> String {
     let title = match table {
         "" => "Top level".to_owned(),
-        "axis" | "input" | "gcode.tool" | "gcode.m" => format!("\\[\\[{table}\\]\\]"),
+        "axis" | "input" | "output" | "gcode.tool" | "gcode.m" => format!("\\[\\[{table}\\]\\]"),
         _ => table.to_owned(),
     };
     format!("\n## {title}\n\n| key | value | default | meaning |\n|---|---|---|---|\n")

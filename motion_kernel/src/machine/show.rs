@@ -2,6 +2,7 @@
 
 use std::fmt::{Display, Write};
 
+use super::equipment::OUTPUT_FUNCTIONS;
 use super::file::{CONTROLS, DRIVES, INPUT_FUNCTIONS, KINDS, LIMIT_FUNCTIONS};
 use super::gcode::{ARC_CENTRES, DWELL_UNITS, PROFILES};
 use super::*;
@@ -16,6 +17,7 @@ impl Machine {
         out.controller(&self.controller);
         self.axes.iter().for_each(|axis| out.axis(axis));
         self.inputs.iter().for_each(|input| out.input(input, &self.axes));
+        self.outputs.iter().for_each(|output| out.digital_output(output, &self.axes));
         out.gcode(&self.gcode, &self.axes);
         out.0
     }
@@ -49,6 +51,10 @@ impl Out {
         let quoted = toml::Value::from(text).to_string();
         self.value(key, quoted);
     }
+    fn names<'n>(&mut self, key: &str, names: impl Iterator<Item = &'n str>) {
+        let quoted: Vec<String> = names.map(|name| format!("\"{name}\"")).collect();
+        self.value(key, format_args!("[{}]", quoted.join(", ")));
+    }
     fn controller(&mut self, c: &Controller) {
         self.line("\n[controller]");
         self.value("sample_ticks", c.sample_ticks);
@@ -57,6 +63,7 @@ impl Out {
         self.value("statements_per_sample", c.statements_per_sample);
         self.value("lookahead_depth", c.lookahead_depth);
         self.value("clock_hz", number(c.clock_hz));
+        self.names("stop_at", c.stop_at.names());
     }
     fn axis(&mut self, a: &Axis) {
         self.line("\n[[axis]]");
@@ -97,6 +104,7 @@ impl Out {
                 "{{ kp = {kp:?}, ki = {ki:?}, kd = {kd:?}, kpl = {kpl:?}, kfcv = {kfcv:?}, kfca = {kfca:?} }}"
             ),
         );
+        self.equipment(&a.equipment);
         self.line("[axis.plant]");
         self.text("control", word(&CONTROLS, &a.plant.control));
         let numbers = [
@@ -107,9 +115,40 @@ impl Out {
             ("inertia", a.plant.inertia),
             ("friction", a.plant.friction),
             ("damping", a.plant.damping),
+            ("coast_s", a.plant.coast_s),
         ];
         for (key, value) in numbers {
             self.value(key, number(value));
+        }
+        self.value("reversed", a.plant.reversed);
+    }
+    fn equipment(&mut self, e: &Equipment) {
+        let Home { velocity, acceleration } = e.home;
+        for (key, value) in [("home_velocity", velocity), ("home_acceleration", acceleration)] {
+            if let Some(value) = value {
+                self.value(key, number(value));
+            }
+        }
+        if let Some(Index { position, period, width, inverted }) = e.index {
+            let numbers = format!("position = {position:?}, period = {period:?}, width = {width:?}");
+            self.value("index", format_args!("{{ {numbers}, inverted = {inverted} }}"));
+        }
+        if let Some(Encoder { counts_per_unit, feedback }) = e.encoder {
+            self.value("encoder", format_args!("{{ counts_per_unit = {counts_per_unit:?}, feedback = {feedback} }}"));
+        }
+        let Port { max, min, positive, negative, inverted } = e.port;
+        let numbers = format!("max = {max:?}, min = {min:?}, positive = {positive:?}, negative = {negative:?}");
+        self.value("port", format_args!("{{ {numbers}, inverted = {inverted} }}"));
+        self.value("backlash_compensation", number(e.backlash_compensation));
+        self.value("backlash_hysteresis", number(e.backlash_hysteresis));
+    }
+    fn digital_output(&mut self, output: &Output, axes: &[Axis]) {
+        self.line("\n[[output]]");
+        self.value("number", output.number);
+        self.value("on", output.on);
+        if let Some(axis) = output.amplifier_of {
+            self.text("axis", &axes[axis].name);
+            self.text("function", OUTPUT_FUNCTIONS[0].0);
         }
     }
     fn input(&mut self, input: &Input, axes: &[Axis]) {
@@ -124,8 +163,7 @@ impl Out {
     fn gcode(&mut self, g: &GcodeDefaults, axes: &[Axis]) {
         self.line("\n[gcode]");
         self.text("profile", word(&PROFILES, &g.profile));
-        let bits: Vec<String> = ModeReg(g.modereg).names().map(|name| format!("\"{name}\"")).collect();
-        self.value("modereg", format_args!("[{}]", bits.join(", ")));
+        self.names("modereg", ModeReg(g.modereg).names());
         self.value("trovrst_s", number(g.trovrst_s));
         self.value("feed_limit", number(g.feed_limit));
         self.value("trac_feed", number(g.trac_feed));

@@ -41,6 +41,7 @@ fn axis(name: char, kind: AxisKind) -> Axis {
         effradius: 57.29577951308232,
         start: 0.0,
         reference: 0.0,
+        equipment: Equipment::default(),
     }
 }
 
@@ -58,6 +59,7 @@ pub fn machine(letters: &str) -> Machine {
             statements_per_sample: 20,
             lookahead_depth: 0,
             clock_hz: 70e6,
+            ..Controller::default()
         },
         gcode: GcodeDefaults {
             trac_feed: 500.0,
@@ -67,6 +69,7 @@ pub fn machine(letters: &str) -> Machine {
             ..GcodeDefaults::for_axes(letters.len())
         },
         inputs: vec![],
+        outputs: vec![],
         tolerance_mm: 0.05,
     }
 }
