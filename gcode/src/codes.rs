@@ -184,6 +184,26 @@ pub fn g_code(tenths: u16) -> GCode {
     }
 }
 
+/// What two G codes of one group do in one block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beside {
+    Twice,
+    Clash,
+    /// Only the first, or only the second counts.
+    First,
+    Second,
+}
+
+/// `G00 G80`: the cycle ends and the motion code holds, as Fanuc's and Haas' groups 9 and 1 have it.
+pub fn beside(first: u16, second: u16) -> Beside {
+    match (first, second) {
+        _ if first == second => Beside::Twice,
+        (0 | 10 | 20 | 30, 800) => Beside::First,
+        (800, 0 | 10 | 20 | 30) => Beside::Second,
+        _ => Beside::Clash,
+    }
+}
+
 /// The number as people write it: 911 -> "91.1".
 pub fn number(tenths: u16) -> String {
     if tenths.is_multiple_of(10) { format!("{}", tenths / 10) } else { format!("{}.{}", tenths / 10, tenths % 10) }

@@ -212,19 +212,43 @@ fn circle_circle(a: Vector, ra: f64, b: Vector, rb: f64) -> Vec<Vector> {
 }
 
 /// Looks for places where the tool, beside one element, touches another one (bottleneck).
+///
+/// An arc right behind the approach, or right before the departure, leads onto or off the contour: it lies where the
+/// tool passes at the other end of a closed contour, so only the tool path beside it is watched, not the arc itself.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
     contour: VecDeque<Element>,
     centre_path: VecDeque<Piece>,
+    /// An arc that may be the last element.
+    late: Option<Element>,
+    /// The next element is the first behind the approach.
+    first: bool,
 }
 
 impl Watch {
     pub fn clear(&mut self) {
-        self.contour.clear();
-        self.centre_path.clear();
+        *self = Watch::default();
+    }
+    /// The next element follows the approach.
+    pub fn begin(&mut self) {
+        *self = Watch { first: true, ..Watch::default() };
     }
     /// A new element of the contour must keep its distance from the tool path behind it.
     pub fn element(&mut self, element: &Element, radius: f64, span: Span) -> Check<()> {
+        if let Some(late) = self.late.take() {
+            self.add(&late, radius, span)?;
+        }
+        let first = std::mem::take(&mut self.first);
+        match element.arc {
+            Some(_) if first => Ok(()),
+            Some(_) => {
+                self.late = Some(*element);
+                Ok(())
+            }
+            None => self.add(element, radius, span),
+        }
+    }
+    fn add(&mut self, element: &Element, radius: f64, span: Span) -> Check<()> {
         if self.contour.len() == WINDOW {
             self.contour.pop_front();
         }

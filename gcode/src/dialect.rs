@@ -70,6 +70,12 @@ pub struct Dialect {
     pub uvw_incremental: bool,
     pub peck_clearance: f64,
     pub strict_m: bool,
+    /// D of G41, G42 is the tool radius itself.
+    pub d_is_radius: bool,
+    /// M29 announces rigid tapping and ends no subprogram.
+    pub rigid_m29: bool,
+    /// Cycles are a group beside the motions: G80 brings back the motion from before.
+    pub cycles_apart: bool,
 }
 
 impl Dialect {
@@ -94,6 +100,9 @@ impl Dialect {
             uvw_incremental: own.uvw_incremental.unwrap_or(lathe),
             peck_clearance: own.peck_clearance.unwrap_or(1.0),
             strict_m: own.strict_m.unwrap_or(false),
+            d_is_radius: own.d_is_radius.unwrap_or(false),
+            rigid_m29: profile == Profile::Fanuc,
+            cycles_apart: profile == Profile::Fanuc,
         }
     }
 }

@@ -379,8 +379,10 @@ impl<'a, 'e> Reader<'a, 'e> {
             return Ok(value);
         }
         match variable {
-            Variable::Hash(0 | 1..=33 | 100..=199 | 500..=999) if self.env.variables.vacant_zero => Ok(0.0),
-            Variable::Hash(0 | 1..=33 | 100..=199 | 500..=999) => Err(Fault::with(Id::GC702, span, &[variable])),
+            Variable::Hash(n) if *n == 0 || self.env.variables.is_free(*n) => {
+                let empty = || Fault::with(Id::GC702, span, &[variable]);
+                self.env.variables.vacant_zero.then_some(0.0).ok_or_else(empty)
+            }
             Variable::Hash(n) => (self.env.system)(*n).ok_or_else(|| Fault::with(Id::GC701, span, &[n])),
             Variable::Ci(_) | Variable::Cd(_) => {
                 self.warnings.push(Fault::with(Id::GW927, span, &[variable, &0]));

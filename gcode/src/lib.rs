@@ -37,6 +37,7 @@ pub mod sequence;
 pub mod sink;
 pub mod source;
 mod statements;
+mod system;
 pub mod translate;
 pub mod variables;
 

@@ -162,10 +162,11 @@ impl Translator<'_> {
                 modal.override_on = m == 48;
                 self.sink.event(self.line, &format!("M{m}"), "");
             }
-            15 | 16 | 31 => return Err(Fault::with(Id::GC510, span, &[&m])),
+            15 | 16 | 31 if !self.is_user_function(m) => return Err(Fault::with(Id::GC510, span, &[&m])),
             62..=65 => self.output(block, m, span, outputs)?,
             66 => self.wait_input(block, span)?,
-            0..=2 | 5 | 6 | 9 | 17 | 29 | 30 | 60 | 98 | 99 => {}
+            0..=2 | 5 | 6 | 9 | 17 | 30 | 60 | 98 | 99 => {}
+            29 if !self.dialect.rigid_m29 => {}
             _ if self.is_user_function(m) => self.user_function(m, outputs),
             _ if self.dialect.strict_m => return Err(Fault::with(Id::GC513, span, &[&m])),
             _ => {
@@ -294,6 +295,7 @@ impl Translator<'_> {
                 0 | 60 => self.operator_stop(m.number),
                 1 if self.options.optional_stop => self.operator_stop(1),
                 2 | 30 => return Ok(Flow::End),
+                29 if self.dialect.rigid_m29 => {}
                 17 | 29 | 99 => {
                     self.used |= bit(b'P');
                     let target = block.whole(b'P')?.map(|p| (p as u32, block.span_of(b'P')));

@@ -93,6 +93,8 @@ pub struct Feed {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Modal {
     pub motion: MotionMode,
+    /// The last motion that was no cycle.
+    pub simple_motion: MotionMode,
     pub plane: Plane,
     pub incremental: bool,
     /// G90.1 / G91.1 as programmed.
@@ -128,6 +130,7 @@ impl Modal {
     pub fn reset(lathe: bool, tolerance: f64) -> Self {
         Modal {
             motion: MotionMode::Rapid,
+            simple_motion: MotionMode::Rapid,
             plane: if lathe { Plane::Zx } else { Plane::Xy },
             incremental: false,
             centre_absolute: None,

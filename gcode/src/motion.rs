@@ -30,7 +30,9 @@ impl Translator<'_> {
             if let Some((low, high)) = axis.limits
                 && !(value >= low - NOTHING && value <= high + NOTHING)
                 && self.state.unknown & 1 << slot == 0
+                && (block.has(axis.letter) || value != self.state.machine[slot] || value == self.group.start[slot])
             {
+                // an axis that only stays outside was reported before
                 let (letter, span) = (char::from(axis.letter), block.span_of(axis.letter));
                 self.faults.push(outside(letter, value, (low, high), "", span));
             }
@@ -43,9 +45,13 @@ impl Translator<'_> {
             10 => MotionMode::Line,
             20 => MotionMode::Clockwise,
             30 => MotionMode::CounterClockwise,
+            800 if self.dialect.cycles_apart => self.state.modal.simple_motion,
             800 => MotionMode::None,
             code => MotionMode::Cycle(code),
         };
+        if !matches!(mode, MotionMode::Cycle(_) | MotionMode::None) {
+            self.state.modal.simple_motion = mode;
+        }
         if mode != self.state.modal.motion {
             self.state.modal.motion = mode;
             // from cycle to cycle only the initial level stays

@@ -126,7 +126,7 @@ impl Sink {
         }
         if t.lead_in {
             (t.lead_in, t.pending) = (false, None);
-            t.watch.clear();
+            t.watch.begin();
             let from = t.slots.map(|s| self.position[s]);
             t.pending = Some(Pending { motion, element, from, lead_in: true });
             return Ok(());

@@ -1,13 +1,13 @@
 //! Text of one line -> [`Block`] (docs/dialect.md, sections 2 to 4). Knows no modal state.
 
-use crate::block::{Block, GWord, MWord, Statement, Word, letter_index};
-use crate::codes::{self, Decision, Group, MGroup, g_code, m_group};
+use crate::block::{AXIS_LETTERS, Block, GWord, MWord, Statement, Word, letter_index};
+use crate::codes::{self, Beside, Decision, Group, MGroup, g_code, m_group};
 use crate::diagnostics::{Check, Fault, Id, Span, characters};
 use crate::dialect::Dialect;
 use crate::expression::{Environment, Reader};
 use crate::number;
 use crate::source::decode;
-use crate::statements;
+use crate::statements::{self, balanced, is_active};
 use crate::variables::{Assignment, Variable, check_assignment};
 
 /// What an address takes (section 4).
@@ -239,7 +239,7 @@ impl Parser<'_, '_, '_> {
         if self.r.env.dry && value == 1.0 {
             return;
         }
-        if rule.integer && value.fract() != 0.0 {
+        if rule.integer && value.fract() != 0.0 && !(letter == b'D' && self.dialect.d_is_radius) {
             self.faults.push(Fault::with(Id::GC210, span, &[&char::from(letter), &value]));
         } else if value < rule.low || value > rule.high {
             let range: [&dyn std::fmt::Display; 4] = [&value, &char::from(letter), &rule.low, &rule.high];
@@ -331,11 +331,15 @@ impl Parser<'_, '_, '_> {
             Decision::Yes => {
                 let first = *self.block.code_of(code.group).expect("only a present group clashes");
                 let (one, two) = (format!("G{}", codes::number(first.code.tenths)), format!("G{text}"));
-                self.faults.push(if first.code.tenths == code.tenths {
-                    Fault::with(Id::GW913, span, &[&two])
-                } else {
-                    Fault::with(Id::GC302, span, &[&one, &two, &code.group.name()])
-                });
+                match codes::beside(first.code.tenths, code.tenths) {
+                    Beside::First => {}
+                    Beside::Second => {
+                        self.block.g.retain(|g| g.code.group != code.group);
+                        return true;
+                    }
+                    Beside::Twice => self.faults.push(Fault::with(Id::GW913, span, &[&two])),
+                    Beside::Clash => self.faults.push(Fault::with(Id::GC302, span, &[&one, &two, &code.group.name()])),
+                }
             }
         }
         code.decision == Decision::Ignored
@@ -382,6 +386,10 @@ impl Parser<'_, '_, '_> {
         let equals =
             end + digits + self.r.text[end + digits..].iter().take_while(|b| matches!(b, b' ' | b'\t')).count();
         if self.r.at(equals) == b'=' && self.r.at(equals + 1) != b'=' {
+            if word.eq_ignore_ascii_case(b"CR") && self.block.has_any(AXIS_LETTERS) {
+                self.r.pos = at + 1; // CR= is Sinumerik's R
+                return self.word(b'R');
+            }
             let name = String::from_utf8_lossy(&self.r.text[at..end + digits]).into_owned();
             if digits > 0 {
                 return Err(Fault::with(Id::GC219, Span::new(at, end + digits), &[&name]));
@@ -421,7 +429,7 @@ impl Parser<'_, '_, '_> {
         self.r.assigning = true;
         let value = self.r.expression()?;
         self.r.assigning = false;
-        check_assignment(&variable, value, span)?;
+        check_assignment(self.r.env.variables, &variable, value, span)?;
         self.grow(at);
         if self.r.assigned.iter().any(|a| a.variable == variable) {
             self.faults.push(Fault::with(Id::GW928, span, &[&variable]));
@@ -504,22 +512,6 @@ impl Parser<'_, '_, '_> {
 
 fn no_value(at: usize, letter: u8) -> Fault {
     Fault::with(Id::GC202, Span::new(at, at + 1), &[&char::from(letter)])
-}
-
-fn is_active(upper: &[u8], name: &[u8]) -> bool {
-    upper.starts_with(name) && (name.ends_with(b",") || upper[name.len()..].contains(&b','))
-}
-
-/// Length of a comment whose nested parentheses balance within the line.
-fn balanced(text: &[u8]) -> Option<usize> {
-    let mut depth = 0i32;
-    for (i, b) in text.iter().enumerate() {
-        depth += i32::from(*b == b'(') - i32::from(*b == b')');
-        if depth == 0 {
-            return Some(i + 1);
-        }
-    }
-    None
 }
 
 /// Used by the statements: is this statement alone in its block?

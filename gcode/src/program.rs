@@ -173,8 +173,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
     /// Parses a line; in `Read` mode and in skipped blocks only its form counts.
     fn read(&mut self, line: u32, text: &[u8], block: &mut Block) {
         block.clear(line);
-        let state = &self.t.state;
-        let system = |n: u32| system_variable(state, &self.t.group, n);
+        let system = |n: u32| crate::system::variable(self.t, n);
         let env = Environment {
             variables: &self.variables,
             system: &system,
@@ -467,22 +466,4 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
 /// `N890 %`, as Mach3 ends a tape.
 fn is_numbered_mark(text: &[u8]) -> bool {
     text.trim_ascii_end().ends_with(b"%") && text[head_length(text)..].trim_ascii() == b"%"
-}
-
-/// Read-only system variables: #5021.. machine, #5041.. program position, #4001.. modal groups.
-fn system_variable(state: &crate::modal::State, group: &crate::group::ContourGroup, n: u32) -> Option<f64> {
-    const LETTERS: &[u8; 9] = b"XYZABCUVW";
-    let value = |base: u32, point: &crate::group::Point| {
-        let letter = *LETTERS.get((n - base) as usize)?;
-        let slot = group.slot(letter)?;
-        let unit = if group.axes[slot].rotary { 1.0 } else { state.modal.unit() };
-        Some(point[slot] / unit)
-    };
-    match n {
-        5021..=5029 => value(5021, &state.machine),
-        5041..=5049 => value(5041, &state.program),
-        4001..=4016 => state.group_code(n - 4000),
-        3001 => Some(0.0),
-        _ => None,
-    }
 }

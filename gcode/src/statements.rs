@@ -326,3 +326,19 @@ pub(crate) fn block_number(text: &[u8]) -> Option<u32> {
     let digits = &digits[..digits.iter().take_while(|b| b.is_ascii_digit()).count()];
     std::str::from_utf8(digits).ok()?.parse().ok()
 }
+
+pub(crate) fn is_active(upper: &[u8], name: &[u8]) -> bool {
+    upper.starts_with(name) && (name.ends_with(b",") || upper[name.len()..].contains(&b','))
+}
+
+/// Length of a comment whose nested parentheses balance within the line.
+pub(crate) fn balanced(text: &[u8]) -> Option<usize> {
+    let mut depth = 0i32;
+    for (i, b) in text.iter().enumerate() {
+        depth += i32::from(*b == b'(') - i32::from(*b == b')');
+        if depth == 0 {
+            return Some(i + 1);
+        }
+    }
+    None
+}

@@ -3,7 +3,7 @@
 use motion_kernel::machine::Machine;
 
 use crate::block::{AXIS_LETTERS, Block, CENTRE_LETTERS, GWord, bit, mask};
-use crate::codes::{Group, number};
+use crate::codes::{Decision, Group, number};
 use crate::diagnostics::{Check, Fault, Id, Span};
 use crate::dialect::{Dialect, Options};
 use crate::facts::Facts;
@@ -145,6 +145,9 @@ impl<'a> Translator<'a> {
     /// Section 14, top to bottom.
     fn steps(&mut self, block: &Block) -> Check<Flow> {
         self.used = bit(b'N');
+        if block.g.iter().any(|g| g.code.decision == Decision::Ignored) {
+            self.used |= mask("PQRL"); // G08 P1
+        }
         if let Some(g) = block.g(650) {
             return self.macro_call(block, g);
         }
@@ -279,7 +282,11 @@ impl<'a> Translator<'a> {
         let tool = block.integer(b'D').unwrap_or(self.state.modal.in_spindle);
         let found = self.machine.gcode.tools.iter().find(|t| t.number == tool).map(|t| t.radius);
         let missing = || Fault::with(Id::GC509, block.word(b'D').map_or(g.span, |w| w.span), &[&tool]);
-        let radius = if tool == 0 { 0.0 } else { found.ok_or_else(missing)? };
+        let radius = match self.length(block, b'D') {
+            Some(radius) if self.dialect.d_is_radius => radius,
+            _ if tool == 0 => 0.0,
+            _ => found.ok_or_else(missing)?,
+        };
         self.state.modal.correction = g.code.tenths / 10;
         if radius == 0.0 {
             self.faults.push(Fault::new(Id::GW917, g.span));

@@ -34,7 +34,7 @@ pub struct Assignment {
 }
 
 const LOCALS: usize = 33;
-const COMMONS: usize = 1000;
+const COMMONS: usize = 3000;
 
 /// One level of local variables; NaN is "empty".
 #[derive(Clone, Debug)]
@@ -76,6 +76,10 @@ impl Variables {
     }
     fn level(&self) -> &Level {
         self.levels.last().expect("the main program has a level")
+    }
+    /// A variable that programs may set at all: LinuxCNC knows no gaps up to 2999.
+    pub fn is_free(&self, n: u32) -> bool {
+        matches!(n, 1..=33 | 100..=199 | 500..=999) || self.local_names && (n as usize) < COMMONS && n > 0
     }
     /// A new set of locals for a macro call, with its arguments.
     pub fn enter(&mut self, arguments: &[(usize, f64)]) {
@@ -130,9 +134,10 @@ impl Variables {
 }
 
 /// May the program assign this value to this variable?
-pub fn check_assignment(variable: &Variable, value: f64, span: Span) -> Check<()> {
+pub fn check_assignment(variables: &Variables, variable: &Variable, value: f64, span: Span) -> Check<()> {
     match variable {
-        Variable::Hash(1..=33 | 100..=199 | 500..=999 | 3000 | 3006) | Variable::Name(_) => Ok(()),
+        Variable::Hash(n) if variables.is_free(*n) => Ok(()),
+        Variable::Hash(3000 | 3006) | Variable::Name(_) => Ok(()),
         Variable::Hash(n) => Err(Fault::with(Id::GC701, span, &[n])),
         Variable::Ci(99) => Err(Fault::new(Id::GC707, span)),
         Variable::Ci(_) if !(-2_147_483_648.5..2_147_483_647.5).contains(&value) => {

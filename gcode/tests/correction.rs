@@ -117,6 +117,17 @@ fn a_bottleneck_between_elements_far_apart_is_found() {
     assert_eq!((found[0].id, found[0].line), ("GC421", 10), "{found:?}");
 }
 
+/// A pocket with an arc onto and an arc off the wall: at the other end of the contour the tool passes over them.
+#[test]
+fn arcs_onto_and_off_the_contour_are_no_gouge() {
+    let pocket =
+        "G0 X20 Y4\nG41 D1 G1 X17 Y3 F600\nG3 X20 Y0 I3\nG1 X40\nY20\nX0\nY0\nX20\nG3 X23 Y3 J3\nG40 G1 X20 Y4\nM30\n";
+    assert!(!run(pocket, 2.0).has_errors(), "{:?}", run(pocket, 2.0).diagnostics);
+    // the same arc in the middle of a contour is one: the tool comes back too near to it
+    let bay = "G0 X20 Y4\nG41 D1 G1 X10 Y0 F600\nX17\nG3 X20 Y3 J3\nG1 Y5\nX16\nY3\nG40 X0\nM30\n";
+    assert_eq!(run(bay, 2.5).diagnostics[0].id, "GC421");
+}
+
 // --- random contours ---
 
 type Point = [f64; 2];

@@ -153,6 +153,7 @@ fn dialect(section: Section<'_, '_>) -> DialectOptions {
         nested_comments: section.flag("nested_comments"),
         peck_clearance: section.number_if_given("peck_clearance", "mm", 0.0..=100.0),
         strict_m: section.flag("strict_m"),
+        d_is_radius: section.flag("d_is_radius"),
     };
     section.done();
     options
@@ -178,7 +179,7 @@ fn outputs(section: Section<'_, '_>) -> OutputMasks {
 
 /// M functions with a meaning of their own in every dialect.
 pub fn has_fixed_meaning(m: u32) -> bool {
-    matches!(m, 0..=11 | 13..=17 | 19 | 29..=31 | 36..=49 | 60 | 62..=66 | 98 | 99)
+    matches!(m, 0..=11 | 13 | 14 | 17 | 19 | 29 | 30 | 36..=49 | 60 | 62..=66 | 98 | 99)
 }
 
 fn m_functions(section: &Section<'_, '_>) -> Vec<MFunction> {

@@ -239,6 +239,8 @@ pub struct DialectOptions {
     pub peck_clearance: Option<f64>,
     /// An M function without assignment is an error (GC513).
     pub strict_m: Option<bool>,
+    /// D of G41, G42 is the tool radius itself.
+    pub d_is_radius: Option<bool>,
 }
 
 /// Meaning of I J K without G90.1 or G91.1.

@@ -218,6 +218,7 @@ impl Out {
             ("keep_g92", d.keep_g92),
             ("nested_comments", d.nested_comments),
             ("strict_m", d.strict_m),
+            ("d_is_radius", d.d_is_radius),
         ];
         for (key, flag) in flags {
             self.option(key, &flag, bool::to_string);

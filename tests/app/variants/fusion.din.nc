@@ -1,0 +1,31 @@
+(1001)
+(Machine)
+(  vendor: Autodesk)
+(T1  D=3. CR=0. - ZMIN=-2. - flat end mill)
+G90 G94
+G17
+G21
+G28 G91 Z0
+G90
+
+(2D Pocket1)
+T1
+S10000 M3
+G17 G90 G94
+G54
+M9
+G0 X12.5 Y7.25
+Z15
+Z5
+G1 Z1 F333
+G3 X12.5 Y7.25 Z0 I-1 J0
+X12.5 Y7.25 Z-1 I-1 J0 F500
+G1 X10
+G0 Z15
+M5
+G28 G91 Z0
+G90
+G28 G91 X0 Y0
+G90
+M5
+M30
