@@ -179,7 +179,7 @@ catalogue! {
     SW904 "SW904" "constant {text} is limited to {n}" "Konstante {text} wird auf {n} begrenzt"
         "Integers have 32 bits" "Integer hat 32 Bits";
     SW905 "SW905" "bare {name} is that of axis 0" "{name} ohne Achse ist das der Achse 0"
-        "write axis.{qualifier}" "Achse.{qualifier} schreiben";
+        "write axis.CFLAGS or axis.gfaux" "Achse.CFLAGS oder Achse.gfaux schreiben";
     SW906 "SW906" "'{name}' is outside 0..999 and stops the task with error 0400 hex" "'{name}' ist außerhalb 0..999 und hält die Task mit Fehler 0400 hex an"
         "use 0 to 999" "0 bis 999 verwenden";
     SW907 "SW907" "text behind 'end.' is ignored" "Text hinter 'end.' wird ignoriert" "" "";
@@ -191,6 +191,8 @@ catalogue! {
         "the controller sets ErrorReg bit 0" "die Steuerung setzt ErrorReg Bit 0";
     SW911 "SW911" "offset {n} stops the task with error {error} hex" "Offset {n} hält die Task mit Fehler {error} hex an"
         "offsets are 0..999, divisible by the size of the value" "Offsets sind 0..999, teilbar durch die Größe des Werts";
+    SW913 "SW913" "no procedure {name} handles this event" "keine Prozedur {name} behandelt dieses Ereignis"
+        "declare it above" "darüber deklarieren";
     SW912 "SW912" "division by 0 stops the task with error 8000 hex" "Division durch 0 hält die Task mit Fehler 8000 hex an" "" "";
 }
 
