@@ -16,6 +16,8 @@ pub struct Name {
 pub struct Program {
     pub heading: Option<Name>,
     pub block: Block,
+    /// A declaration was not understood: names may be missing.
+    pub lost_names: bool,
 }
 
 /// Declarations and statements of the main program or of a routine.

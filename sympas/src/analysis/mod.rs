@@ -52,6 +52,8 @@ pub fn analyse(
         labels: Labels::default(),
         constants: Vec::new(),
         current: 0,
+        whole: !reports.has_errors(),
+        lost_names: program.lost_names,
         sources,
         reports,
     };
@@ -82,13 +84,24 @@ pub(crate) struct Analyser<'a> {
     constants: Vec<(usize, Rc<str>, Value)>,
     /// Routine whose block is being analysed; 0: the main program.
     current: u16,
+    /// The parser understood everything.
+    whole: bool,
+    lost_names: bool,
     sources: &'a Sources,
     reports: &'a mut Reports,
 }
 
 impl Analyser<'_> {
+    /// What may follow from a syntax error alone is not reported.
     fn report(&mut self, fault: Fault) {
-        self.reports.add(fault);
+        let follows = match fault.id {
+            Id::E3 => self.lost_names,
+            Id::SP306 | Id::SP309 | Id::SW908 | Id::SW913 => !self.whole,
+            _ => false,
+        };
+        if !follows {
+            self.reports.add(fault);
+        }
     }
     /// The place of a declaration, as text.
     fn place(&self, span: Span) -> String {

@@ -45,7 +45,7 @@ impl Parser<'_> {
         } else if !self.reports.has_errors() {
             self.report(Fault::new(Id::SP207, end));
         }
-        Program { heading, block: Block { items, body, end } }
+        Program { heading, block: Block { items, body, end }, lost_names: self.lost_names || self.given_up }
     }
     fn heading(&mut self) -> Option<Name> {
         if !self.is_word("program") || self.symbol_at(1, Symbol::Assign) {
@@ -89,7 +89,7 @@ impl Parser<'_> {
                 _ if self.at_end() => return,
                 _ => Err(self.stray()),
             };
-            if result.is_err() {
+            if result.is_err() && !matches!(self.keyword(), Some(Keyword::Begin)) {
                 self.skip_declaration();
             }
         }
@@ -106,6 +106,7 @@ impl Parser<'_> {
     }
     /// Goes on behind the next `;`, or at the next section.
     fn skip_declaration(&mut self) {
+        self.lost_names = true;
         loop {
             match self.keyword() {
                 Some(Keyword::Begin) => return,
@@ -120,10 +121,9 @@ impl Parser<'_> {
         items.push(Item::Labels(self.expect_names(["a label", "ein Label"])?));
         self.expect_symbol(Symbol::Semicolon)
     }
-    /// True where another entry of a const or var section begins.
-    fn more_entries(&self) -> bool {
-        matches!(self.kind(), TokenKind::Name(_))
-            && [Symbol::Equal, Symbol::Assign, Symbol::Comma, Symbol::Colon].iter().any(|s| self.symbol_at(1, *s))
+    /// True where another entry of a section begins: a name with one of these behind it.
+    fn more_entries(&self, behind: [Symbol; 2]) -> bool {
+        matches!(self.kind(), TokenKind::Name(_)) && behind.iter().any(|s| self.symbol_at(1, *s))
     }
     fn constants(&mut self, items: &mut Vec<Item>) -> Parse<()> {
         self.advance();
@@ -133,7 +133,7 @@ impl Parser<'_> {
                 Ok(constant) => items.push(Item::Constant(constant)),
                 Err(Lost) => self.skip_declaration(),
             }
-            if !self.more_entries() {
+            if !self.more_entries([Symbol::Equal, Symbol::Assign]) {
                 return Ok(());
             }
         }
@@ -162,7 +162,7 @@ impl Parser<'_> {
                 Ok((names, kind)) => items.push(Item::Variables { names, kind }),
                 Err(Lost) => self.skip_declaration(),
             }
-            if !self.more_entries() {
+            if !self.more_entries([Symbol::Comma, Symbol::Colon]) {
                 return Ok(());
             }
         }
@@ -198,6 +198,19 @@ impl Parser<'_> {
         Ok(())
     }
     fn routine_declaration(&mut self) -> Parse<Routine> {
+        let heading = self.routine_heading();
+        if heading.is_err() {
+            self.skip_heading();
+        }
+        if self.eat_keyword(Keyword::Forward) {
+            self.expect_symbol(Symbol::Semicolon)?;
+            return heading;
+        }
+        let block = self.deeper(Self::routine_block)?;
+        self.expect_symbol(Symbol::Semicolon)?;
+        heading.map(|routine| Routine { block: Some(block), ..routine })
+    }
+    fn routine_heading(&mut self) -> Parse<Routine> {
         let function = self.is_keyword(Keyword::Function);
         self.advance();
         let name = self.expect_name(NAME)?;
@@ -208,13 +221,18 @@ impl Parser<'_> {
             result = Some(self.type_name(false)?);
         }
         self.expect_symbol(Symbol::Semicolon)?;
-        if self.eat_keyword(Keyword::Forward) {
-            self.expect_symbol(Symbol::Semicolon)?;
-            return Ok(Routine { name, parameters, result, block: None });
+        Ok(Routine { name, parameters, result, block: None })
+    }
+    /// Goes behind the `;` that ends a heading: the block below is read all the same.
+    fn skip_heading(&mut self) {
+        self.lost_names = true;
+        loop {
+            let block = |k: Keyword| matches!(k, Keyword::Begin | Keyword::Forward) || DECLARATIONS.contains(&k);
+            if self.at_end() || self.keyword().is_some_and(block) {
+                return;
+            }
+            self.advance();
         }
-        let block = self.deeper(Self::routine_block)?;
-        self.expect_symbol(Symbol::Semicolon)?;
-        Ok(Routine { name, parameters, result, block: Some(block) })
     }
     fn parameters(&mut self) -> Parse<Vec<(Name, TypeName)>> {
         let mut list = Vec::new();

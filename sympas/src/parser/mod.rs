@@ -22,7 +22,7 @@ pub(crate) type Parse<T> = Result<T, Lost>;
 
 /// Parses the tokens of a program. What comes back is whole only if no error was reported.
 pub fn parse(tokens: &[Token], reports: &mut Reports) -> Program {
-    Parser { tokens, at: 0, depth: 0, given_up: false, reports }.program()
+    Parser { tokens, at: 0, depth: 0, given_up: false, lost_names: false, reports }.program()
 }
 
 pub(crate) struct Parser<'a> {
@@ -31,6 +31,8 @@ pub(crate) struct Parser<'a> {
     depth: usize,
     /// Too deep to go on: what follows would only be misread.
     given_up: bool,
+    /// A declaration was left behind.
+    lost_names: bool,
     reports: &'a mut Reports,
 }
 

@@ -1,0 +1,39 @@
+//! Shared by the tests of this crate.
+#![allow(dead_code)] // no test uses all of it
+
+pub mod evaluator;
+pub mod values;
+
+use sympas::source::{Loader, NoIncludes, Sources};
+use sympas::{Compilation, ast};
+
+/// The axes of every test: A1, A2, A3.
+pub fn axes() -> Vec<String> {
+    ["A1", "A2", "A3"].map(str::to_owned).to_vec()
+}
+
+pub fn compile(source: &str) -> Compilation {
+    compile_with(source, &mut NoIncludes)
+}
+
+pub fn compile_with(source: &str, loader: &mut dyn Loader) -> Compilation {
+    sympas::compile("t.src", source.as_bytes(), loader, &axes())
+}
+
+/// The syntax tree of a text without errors.
+pub fn syntax(source: &str) -> ast::Program {
+    let (mut sources, mut reports) = (Sources::default(), sympas::diagnostics::Reports::default());
+    let scanned = sympas::lexer::scan("t.src", source.as_bytes(), &mut NoIncludes, &mut sources, &mut reports);
+    sympas::parser::parse(&scanned.tokens, &mut reports)
+}
+
+/// `id@line` of every error, or of every warning.
+pub fn ids(compilation: &Compilation, warnings: bool) -> Vec<String> {
+    let list = compilation.diagnostics.iter().filter(|d| d.is_warning() == warnings);
+    list.map(|d| format!("{}@{}", d.id.name(), d.line)).collect()
+}
+
+/// The shortest text that reads back to the same number; a Single to the same Single.
+pub fn real_text(value: f64, single: bool) -> String {
+    if single { format!("{:?}", value as f32) } else { format!("{value:?}") }
+}
