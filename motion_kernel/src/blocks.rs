@@ -88,7 +88,7 @@ impl Mcu {
             self.moves[next].junction_v2 = 0.0;
         }
         self.moves[slot].tvl = 0.0;
-        self.lookahead.refresh(&mut self.moves, slot);
+        self.lookahead.refresh(&self.moves, slot);
     }
 
     /// Plans the axes of a move to rest at the end of its line, or of the next line that leaves room for it.

@@ -103,7 +103,7 @@ impl Mcu {
         if self.moves[slot].planned {
             self.brake_to_end(slot);
         } else {
-            self.lookahead.refresh(&mut self.moves, slot);
+            self.lookahead.refresh(&self.moves, slot);
         }
     }
 

@@ -4,8 +4,9 @@
 //! of move i may not exceed, for any later junction k, `J_k² + 2·Σ a·L` between them: so with the prefix
 //! sums P of `2·a·L` it is `min over k >= i of (J_k² + P_k) − P_i`, with standstill after the last move as
 //! the last term. The minimum is kept in a queue of candidates with ascending keys (sliding window minimum,
-//! linked through the moves), so a move costs amortised constant time however deep the spooler is. This is
-//! the backward pass; the forward pass happens when a move starts and its start speed is known.
+//! linked through the moves), so a move costs amortised constant time however deep the spooler is. The window
+//! is all that is spooled, or LookAheadDepth moves of it. This is the backward pass; the forward pass happens
+//! when a move starts and its start speed is known.
 
 use crate::axes::MAX_AXES;
 use crate::spooler::{Moves, NONE};
@@ -19,9 +20,13 @@ struct Chain {
     /// First move not planned yet, and the newest.
     first: u32,
     last: u32,
-    /// Queue of candidates for the minimum.
+    /// Queue of candidates for the minimum, the newest move that was in it, and how many moves it covers.
     front: u32,
     back: u32,
+    seen_last: u32,
+    seen: u32,
+    /// Sums and queue do not fit the moves any more.
+    stale: bool,
     end_prefix_v2: f64,
     end_tangent: Tangent,
     live: u32,
@@ -41,11 +46,17 @@ pub struct EndBound {
 pub struct Lookahead {
     chains: Vec<Chain>,
     free: Vec<u32>,
+    steps: u64,
 }
 
 impl Lookahead {
     pub fn with_capacity(capacity: usize) -> Self {
-        Lookahead { chains: Vec::with_capacity(capacity), free: Vec::with_capacity(capacity) }
+        Lookahead { chains: Vec::with_capacity(capacity), free: Vec::with_capacity(capacity), steps: 0 }
+    }
+
+    /// How many moves the planning has looked at since boot: a measure of its work.
+    pub fn steps(&self) -> u64 {
+        self.steps
     }
 
     /// The tangent at the end of the newest move of the chain of `slot`, if that move is `slot`.
@@ -76,7 +87,6 @@ impl Lookahead {
             moves[last].next = slot;
         }
         chain.last = slot;
-        queue_push(chain, moves, slot);
         &mut chain.end_tangent
     }
 
@@ -87,23 +97,25 @@ impl Lookahead {
         self.unlink(moves, slot);
         let chain = &mut self.chains[id];
         chain.planned_since_rebase += 1;
-        if !in_order || chain.planned_since_rebase > chain.live {
-            rebuild(chain, moves);
+        let shrunk = depth > 0 && chain.seen > depth;
+        if chain.stale || shrunk || !in_order || chain.planned_since_rebase > chain.live {
+            self.steps += rebuild(chain, moves);
         }
+        self.steps += extend(chain, moves, depth);
         let chain = &self.chains[id];
         if chain.first == NONE {
             let v2 = if chain.last == slot { passing_v2(moves, slot) } else { 0.0 };
             return EndBound { v2, starved: moves[slot].tvl > 0.0 && !moves[slot].passes };
         }
-        bound_at(chain, moves, depth)
+        bound_at(chain, moves)
     }
 
     /// A move disappears from a chain before or after it was planned.
     pub fn remove(&mut self, moves: &mut Moves, slot: u32) {
         let id = moves[slot].chain;
         if !moves[slot].planned {
+            self.chains[id as usize].stale = true;
             self.unlink(moves, slot);
-            rebuild(&mut self.chains[id as usize], moves);
         }
         let chain = &mut self.chains[id as usize];
         if chain.last == slot {
@@ -131,7 +143,7 @@ impl Lookahead {
         }
         chain.first = slot;
         chain.live += 1;
-        rebuild(chain, moves);
+        chain.stale = true;
     }
 
     /// The first move of the chain of `slot` that is still to plan.
@@ -139,9 +151,9 @@ impl Lookahead {
         self.chains[moves[slot].chain as usize].first
     }
 
-    /// Recomputes the sums of the chain of `slot` (a target velocity was changed).
-    pub fn refresh(&mut self, moves: &mut Moves, slot: u32) {
-        rebuild(&mut self.chains[moves[slot].chain as usize], moves);
+    /// The limits of a move in the chain of `slot` were changed.
+    pub fn refresh(&mut self, moves: &Moves, slot: u32) {
+        self.chains[moves[slot].chain as usize].stale = true;
     }
 
     fn new_chain(&mut self) -> u32 {
@@ -150,6 +162,9 @@ impl Lookahead {
             last: NONE,
             front: NONE,
             back: NONE,
+            seen_last: NONE,
+            seen: 0,
+            stale: false,
             end_prefix_v2: 0.0,
             end_tangent: [0.0; MAX_AXES],
             live: 0,
@@ -175,7 +190,11 @@ impl Lookahead {
         if next != NONE {
             moves[next].previous = previous;
         }
-        queue_remove(chain, moves, slot);
+        if chain.stale || previous != NONE {
+            chain.stale = true;
+        } else if chain.seen > 0 {
+            leave(chain, moves, slot);
+        }
     }
 }
 
@@ -184,26 +203,17 @@ fn key(moves: &Moves, slot: u32) -> f64 {
     moves[slot].junction_v2 + moves[slot].prefix_v2
 }
 
-/// Bound at the start of the first unplanned move of a chain.
-fn bound_at(chain: &Chain, moves: &Moves, depth: u32) -> EndBound {
+/// Bound at the start of the first unplanned move of a chain, with standstill at the end of the window.
+fn bound_at(chain: &Chain, moves: &Moves) -> EndBound {
     let start_v2 = moves[chain.first].prefix_v2;
-    let behind_v2 = if chain.last == NONE { 0.0 } else { passing_v2(moves, chain.last) };
-    let (mut least, mut end) = (f64::INFINITY, chain.end_prefix_v2 + behind_v2);
-    if depth == 0 {
-        least = key(moves, chain.front);
-    } else {
-        let mut slot = chain.first;
-        for _ in 0..depth {
-            if slot == NONE {
-                break;
-            }
-            least = least.min(key(moves, slot));
-            end = moves[slot].prefix_v2 + 2.0 * moves[slot].ac * (moves[slot].to - moves[slot].from);
-            slot = moves[slot].next;
-        }
-        end += if slot == NONE { behind_v2 } else { 0.0 };
-    }
-    let goes_on = chain.last != NONE && moves[chain.last].tvl > 0.0 && !moves[chain.last].passes;
+    let behind = moves[chain.seen_last].next;
+    let least = key(moves, chain.front);
+    let (end, last) = match behind {
+        NONE if chain.last == NONE => (chain.end_prefix_v2, None),
+        NONE => (chain.end_prefix_v2 + passing_v2(moves, chain.last), Some(&moves[chain.last])),
+        next => (moves[next].prefix_v2, None),
+    };
+    let goes_on = last.is_some_and(|last| last.tvl > 0.0 && !last.passes);
     EndBound { v2: (least.min(end) - start_v2).max(0.0), starved: goes_on && end < least }
 }
 
@@ -213,28 +223,42 @@ fn passing_v2(moves: &Moves, last: u32) -> f64 {
     if mv.passes { mv.tvl.clamp(0.0, mv.vl).powi(2) } else { 0.0 }
 }
 
-/// Sums from 0 again, so that they keep their precision, and the queue of candidates anew.
-fn rebuild(chain: &mut Chain, moves: &mut Moves) {
+/// Sums from 0 again, so that they keep their precision, and an empty queue. Returns the moves looked at.
+fn rebuild(chain: &mut Chain, moves: &mut Moves) -> u64 {
     (chain.front, chain.back, chain.planned_since_rebase) = (NONE, NONE, 0);
-    let (mut slot, mut prefix_v2) = (chain.first, 0.0);
+    (chain.seen_last, chain.seen, chain.stale) = (NONE, 0, false);
+    let (mut slot, mut prefix_v2, mut steps) = (chain.first, 0.0, 0);
     while slot != NONE {
         let mv = &mut moves[slot];
         mv.prefix_v2 = prefix_v2;
         prefix_v2 += 2.0 * mv.ac * (mv.to - mv.from);
-        let next = mv.next;
-        queue_push(chain, moves, slot);
-        slot = next;
+        slot = mv.next;
+        steps += 1;
     }
     chain.end_prefix_v2 = prefix_v2;
+    steps
+}
+
+/// Takes moves into the queue until it covers `depth` of them, 0: all. Returns the moves looked at.
+fn extend(chain: &mut Chain, moves: &mut Moves, depth: u32) -> u64 {
+    let mut steps = 0;
+    while depth == 0 || chain.seen < depth {
+        let slot = if chain.seen_last == NONE { chain.first } else { moves[chain.seen_last].next };
+        if slot == NONE {
+            break;
+        }
+        steps += queue_push(chain, moves, slot);
+        (chain.seen_last, chain.seen) = (slot, chain.seen + 1);
+    }
+    steps
 }
 
 /// A later candidate with a smaller key makes all larger ones before it superfluous.
-fn queue_push(chain: &mut Chain, moves: &mut Moves, slot: u32) {
-    let new_key = key(moves, slot);
+fn queue_push(chain: &mut Chain, moves: &mut Moves, slot: u32) -> u64 {
+    let (new_key, mut steps) = (key(moves, slot), 1);
     while chain.back != NONE && key(moves, chain.back) >= new_key {
-        let back = chain.back;
-        chain.back = moves[back].queue_previous;
-        (moves[back].queue_previous, moves[back].queue_next) = (NONE, NONE);
+        chain.back = moves[chain.back].queue_previous;
+        steps += 1;
     }
     (moves[slot].queue_previous, moves[slot].queue_next) = (chain.back, NONE);
     if chain.back == NONE {
@@ -243,23 +267,17 @@ fn queue_push(chain: &mut Chain, moves: &mut Moves, slot: u32) {
         moves[chain.back].queue_next = slot
     }
     chain.back = slot;
+    steps
 }
 
-fn queue_remove(chain: &mut Chain, moves: &mut Moves, slot: u32) {
-    let (next, previous) = (moves[slot].queue_next, moves[slot].queue_previous);
+/// The first move leaves the window. It is the front of the queue, or was superseded.
+fn leave(chain: &mut Chain, moves: &mut Moves, slot: u32) {
+    chain.seen -= 1;
+    if chain.seen_last == slot {
+        chain.seen_last = NONE;
+    }
     if chain.front == slot {
-        chain.front = next;
-    } else if previous == NONE {
-        return; // superseded earlier, no longer in the queue
+        chain.front = moves[slot].queue_next;
+        if chain.front == NONE { chain.back = NONE } else { moves[chain.front].queue_previous = NONE }
     }
-    if chain.back == slot {
-        chain.back = previous;
-    }
-    if next != NONE {
-        moves[next].queue_previous = previous;
-    }
-    if previous != NONE {
-        moves[previous].queue_next = next;
-    }
-    (moves[slot].queue_next, moves[slot].queue_previous) = (NONE, NONE);
 }

@@ -148,6 +148,10 @@ impl Mcu {
     pub fn moves_in_use(&self) -> usize {
         self.moves.live()
     }
+    /// How many moves look-ahead has looked at since boot: a measure of its work.
+    pub fn planning_steps(&self) -> u64 {
+        self.lookahead.steps()
+    }
     pub fn modereg(&self) -> ModeReg {
         self.registers.modereg
     }
