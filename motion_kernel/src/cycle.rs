@@ -184,14 +184,14 @@ impl Mcu {
         (mv.profile, mv.planned) = (Profile::spooled(&request), true);
     }
 
-    /// NoTriangle (design D16): a move that cannot reach its velocity keeps the higher of its junction speeds. Less
-    /// than a count in a sample is standstill, else a chain could crawl for minutes behind a tiny last move.
+    /// NoTriangle (design D16): a move that cannot reach its velocity keeps the higher of its junction speeds. A speed
+    /// that is reached within a count is standstill, else a chain could crawl for minutes behind a tiny last move.
     fn without_triangle(&self, axes: AxisSet, request: &mut Request) {
         let (v0, v1) = (request.start_v, request.target_v);
         let top_v2 = request.acc * (request.to - request.from) + 0.5 * (v0 * v0 + v1 * v1);
         let count = |a: usize| self.axes[a].parameters.scale / self.axes[a].parameters.counts_per_unit;
-        let standstill_v = axes.iter().map(count).fold(f64::INFINITY, f64::min) / self.ta;
-        if top_v2 < request.max_v * request.max_v && v0.max(v1) >= standstill_v {
+        let standstill_v2 = 2.0 * request.acc * axes.iter().map(count).fold(f64::INFINITY, f64::min);
+        if top_v2 < request.max_v * request.max_v && v0.max(v1).powi(2) >= standstill_v2 {
             request.max_v = v0.max(v1);
         }
     }
