@@ -7,9 +7,12 @@
 pub mod analysis;
 pub mod ast;
 pub mod catalogue;
+pub mod cnc;
 pub mod codegen;
 pub mod diagnostics;
+mod instructions;
 pub mod lexer;
+pub mod listing;
 pub mod parser;
 pub mod scope;
 pub mod source;
@@ -44,6 +47,9 @@ pub fn compile(name: &str, text: &[u8], loader: &mut dyn Loader, axes: &[String]
     let mut sources = Sources::default();
     let mut reports = Reports::default();
     let scanned = lexer::scan(name, text, loader, &mut sources, &mut reports);
+    if scanned.tokens.len() == 1 && reports.has_errors() {
+        return Compilation { program: None, diagnostics: reports.finish(&sources) }; // nothing of it was read
+    }
     let syntax = parser::parse(&scanned.tokens, &mut reports);
     let unit = analysis::analyse(&syntax, &scanned, axes, &sources, &mut reports);
     let mut program = None;

@@ -120,3 +120,9 @@ fn lexical() {
     check_file("lexical.src");
     check_file("bad/lexical.src");
 }
+
+#[test]
+fn commands() {
+    check_file("names.src");
+    check_file("bad/commands.src");
+}

@@ -58,8 +58,8 @@ impl Analyser<'_> {
             "abort" => self.check_count(call, 0).then_some(Action::Abort),
             "stop" => self.check_count(call, 0).then_some(Action::Stop),
             "azo" => self.small_constant(call, 4).map(Action::Azo),
-            "enev" => self.event(call).map(Action::Enable),
-            "disev" => self.event(call).map(Action::Disable),
+            "enev" => self.event(call, true).map(Action::Enable),
+            "disev" => self.event(call, false).map(Action::Disable),
             "wt" => {
                 let fits = self.check_count(call, 1);
                 let ticks = fits.then(|| self.integer(&call.arguments[0].value))??;
@@ -190,7 +190,7 @@ impl Analyser<'_> {
         self.report(fault);
         None
     }
-    fn event(&mut self, call: &ast::Call) -> Option<Event> {
+    fn event(&mut self, call: &ast::Call, needs_handler: bool) -> Option<Event> {
         if !self.check_count(call, 1) {
             return None;
         }
@@ -201,6 +201,9 @@ impl Analyser<'_> {
             match (event, found) {
                 (Some(event), Some(Found::User(Symbol::Routine(_)))) => return Some(event),
                 (Some(event), Some(Found::Predefined(_))) => {
+                    if !needs_handler {
+                        return Some(event);
+                    }
                     self.report(Fault::new(Id::SW913, argument.span).with(event.name()));
                     return Some(event);
                 }
