@@ -114,12 +114,12 @@ class Execution:
     def _take_initial_override(self, trovrst_s: float) -> None:
         """The factor at time 0 holds before motion starts, so it does not ramp."""
         if self._pending and self._pending[0][0] == 0:
-            self.mcu.wrtrovrst(0.0)
+            self.mcu.write_register("trovrst", 0.0)
             self._apply(self._pending.popleft()[1])
-            self.mcu.wrtrovrst(trovrst_s)
+            self.mcu.write_register("trovrst", trovrst_s)
 
     def _apply(self, factor: float) -> None:
-        self.mcu.wrtrovr(factor)
+        self.mcu.write_register("trovr", factor)
         self.mcu.utrovr(list(range(len(self._axes))))
 
     @property

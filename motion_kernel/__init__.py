@@ -13,19 +13,27 @@ True
 
 from __future__ import annotations
 
+from motion_kernel.commands import CommandRefused, PcapError
 from motion_kernel.machine import Diagnostic, Machine, MachineError
-from motion_kernel.mcu import CommandRefused, Mcu, TaskStatus
+from motion_kernel.mcu import Mcu
 from motion_kernel.registers import Axst, ErrorReg, ModeReg, Register
+from motion_kernel.structures import MAXAXIS, ROSI, TSRP, Filter, Initialised, TaskStatus
 
 __all__ = [
+    "MAXAXIS",
+    "ROSI",
+    "TSRP",
     "Axst",
     "CommandRefused",
     "Diagnostic",
     "ErrorReg",
+    "Filter",
+    "Initialised",
     "Machine",
     "MachineError",
     "Mcu",
     "ModeReg",
+    "PcapError",
     "Register",
     "TaskStatus",
 ]

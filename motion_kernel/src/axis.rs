@@ -183,6 +183,8 @@ pub struct Axis {
     /// The function behind [`Doing::Wait`] or a halt, to put it back at a feed hold.
     pub function: Option<Function>,
 
+    /// Virtual zero point, a position of the machine (zero.rs).
+    pub zero: f64,
     pub limiting: Limiting,
     pub status: Axst,
     pub parameters: Parameters,
@@ -193,7 +195,7 @@ impl Axis {
         Axis {
             doing: Doing::Nothing,
             t: 0.0,
-            component: Component::default(),
+            component: Component { target: axis.start, ..Component::default() },
             alone: Profile::default(),
             jogging: false,
             pending: 0,
@@ -215,6 +217,7 @@ impl Axis {
             queue_tvl: 0.0,
             queue_last: NONE,
             function: None,
+            zero: 0.0,
             limiting: Limiting::default(),
             status: Axst::pe,
             parameters: Parameters::new(axis),
@@ -231,6 +234,10 @@ impl Axis {
     /// The jog override; without OvrMode it is the effective trajectory override, also while that ramps (4.4.175).
     pub fn jog_override(&self) -> f64 {
         if self.jovr_follows { self.trajectory.factor } else { self.parameters.jovr }
+    }
+    /// Executes a motion command with a target.
+    pub fn travels(&self) -> bool {
+        matches!(self.doing, Doing::Move(_)) || (self.doing == Doing::Alone && self.jogging)
     }
     /// Velocity of the set point now, axis units.
     pub fn velocity(&self) -> f64 {

@@ -13,6 +13,7 @@ pub mod command {
     pub const HALT: u16 = 1000;
     pub const SET_OUTPUTS: u16 = 1001;
     pub const RESET_OUTPUTS: u16 = 1002;
+    pub const PC_INTERRUPT: u16 = 1101;
     pub const WAIT_TIME: u16 = 1003;
     pub const WAIT_INPUTS: u16 = 1004;
     pub const WAIT_CI99: u16 = 1005;
@@ -126,6 +127,7 @@ impl Mcu {
                 }
             }
             n @ 20000..=20999 => self.cd[usize::from(n) - 20000] = value,
+            command::PC_INTERRUPT => self.card.set_irqpc(true),
             command::SET_OUTPUTS => {
                 self.write_outputs(a as i32, self.io.digo | to_mask(value), function.line);
             }
@@ -185,6 +187,6 @@ impl Mcu {
 }
 
 fn is_known(number: u16) -> bool {
-    let range = matches!(number, 0..=1002 | 1200..=1207 | 10000..=11999 | 20000..=20999);
+    let range = matches!(number, 0..=1002 | 1101 | 1200..=1207 | 10000..=11999 | 20000..=20999);
     range || command::WAITS.contains(&number)
 }

@@ -6,6 +6,7 @@ use crate::attention::Attention;
 use crate::autocode::Program;
 use crate::axes::{AxisSet, MAX_AXES};
 use crate::axis::{Axis, Doing, Wait};
+use crate::card::Card;
 use crate::io::Io;
 use crate::latch::Signals;
 use crate::lookahead::Lookahead;
@@ -35,8 +36,10 @@ pub struct Registers {
     /// Buffered trajectory override, and the time in s for a change of it by 1.0.
     pub trovr: f64,
     pub trovrst: f64,
-    /// Trajectory acceleration for `ms` with MS_DECEL.
+    /// Path acceleration, velocity and target velocity of rw_SymPas programs (TRAC also of `ms` with MS_DECEL).
     pub trac: f64,
+    pub trvl: f64,
+    pub trtvl: f64,
     /// Axes that do not count for the path velocity.
     pub nfrax: AxisSet,
     pub lookahead_depth: u32,
@@ -100,6 +103,7 @@ pub struct Mcu {
     pub(crate) moves: Moves,
     pub(crate) lookahead: Lookahead,
     pub(crate) registers: Registers,
+    pub(crate) card: Card,
     pub(crate) ci: Vec<i32>,
     pub(crate) cd: Vec<f64>,
     /// Digital inputs after inversion, and what they mean to the axes.
@@ -164,9 +168,12 @@ impl Mcu {
                 trovr: 1.0,
                 trovrst: 0.0,
                 trac: machine.gcode.trac_feed,
+                trvl: 0.0,
+                trtvl: 0.0,
                 nfrax: AxisSet::EMPTY,
                 lookahead_depth: machine.controller.lookahead_depth,
             },
+            card: Card::new(machine.axes.len()),
             ci: vec![0; COMMONS],
             cd: vec![0.0; COMMONS],
             digi: io.active_inputs(),
@@ -203,6 +210,27 @@ impl Mcu {
         let (index, backlash) = (of(Signals::has_index), of(|signals| signals.backlash.is_used()));
         (0..self.axes.len()).for_each(|a| self.supply(a));
         self.attend_to(|attention| (attention.index, attention.backlash) = (index, backlash));
+    }
+
+    /// Takes over new system data (txbf2 of a system file): all axes begin anew with them. What `rs` keeps stays, and so
+    /// do MODEREG, ErrorReg, units and the programs of the tasks, which stop.
+    pub fn initialise(&mut self, machine: Arc<Machine>) {
+        let mut fresh = Mcu::new(machine);
+        fresh.sample = self.sample;
+        std::mem::swap(&mut fresh.ci, &mut self.ci);
+        std::mem::swap(&mut fresh.cd, &mut self.cd);
+        std::mem::swap(&mut fresh.events, &mut self.events);
+        let Registers { trac, lookahead_depth, .. } = fresh.registers;
+        fresh.registers = Registers { trac, lookahead_depth, trovr: 1.0, ..self.registers.clone() };
+        fresh.registers.nfrax = fresh.known(fresh.registers.nfrax);
+        std::mem::swap(&mut fresh.card, &mut self.card);
+        fresh.card.axes.resize_with(fresh.axes.len(), Default::default);
+        if fresh.axes.len() == self.axes.len() {
+            std::mem::swap(&mut fresh.tasks, &mut self.tasks);
+            fresh.tasks.iter_mut().for_each(Task::stop);
+            (fresh.group, fresh.leader) = (self.group, self.leader);
+        }
+        *self = fresh;
     }
 
     pub fn machine(&self) -> &Arc<Machine> {
@@ -246,6 +274,20 @@ impl Mcu {
         for _ in 0..samples {
             self.step(trace);
         }
+    }
+
+    /// Goes on with a recording: up to `samples` sample intervals, whatever happens; comes back behind one in which the
+    /// interrupt of the PC was raised. Returns how many passed. `trace` begins with [`Trace::restart`].
+    pub fn pass_on(&mut self, samples: u64, trace: &mut Trace) -> u64 {
+        let interrupts = self.card.interrupts();
+        trace.reserve(samples.min(1 << 20) as usize);
+        for passed in 1..=samples {
+            self.step(trace);
+            if self.card.interrupts() != interrupts {
+                return passed;
+            }
+        }
+        samples
     }
 
     /// As [`Mcu::advance`], but without recording and without stopping early.

@@ -104,6 +104,7 @@ impl Mcu {
             self.enter_direct_mode(a);
             let axis = &mut self.axes[a];
             axis.dp = self.loops[a].rp() - self.loops[a].offset;
+            axis.component.target = axis.dp;
             axis.limiting = Limiting::default();
             axis.forget_queue();
             self.loops[a].close(0.0);

@@ -8,17 +8,9 @@ use crate::axis::Override;
 use crate::limits::Limiting;
 use crate::machine::{LimitFunction, PidfGains, SoftwareLimits};
 use crate::mcu::Mcu;
+use crate::named::{UNLIMITED, put};
 use crate::plant::ServoPlant;
 use crate::registers::{Axst, ControllerFlags};
-
-/// Takes a value over if it is a finite number that `allowed` accepts.
-fn put(slot: &mut f64, value: f64, allowed: impl Fn(f64) -> bool) -> bool {
-    let ok = value.is_finite() && allowed(value);
-    if ok {
-        *slot = value;
-    }
-    ok
-}
 
 impl Mcu {
     /// Actual position (4.4.95).
@@ -183,25 +175,30 @@ impl Mcu {
     pub fn rdslsp(&self, axis: usize) -> (i32, f64) {
         (1, self.axes[axis].parameters.slsp)
     }
-    /// Left software limit (4.4.100); `None` where no limits are configured.
+    /// Left software limit (4.4.100), a position of the machine whatever its virtual zero point; `None` where no limits are configured.
     pub fn rdsll(&self, axis: usize) -> Option<f64> {
-        self.axes[axis].parameters.limits.map(|l| l.left)
+        let axis = &self.axes[axis];
+        axis.parameters.limits.map(|l| l.left + axis.zero)
     }
     /// Right software limit (4.4.101).
     pub fn rdslr(&self, axis: usize) -> Option<f64> {
-        self.axes[axis].parameters.limits.map(|l| l.right)
+        let axis = &self.axes[axis];
+        axis.parameters.limits.map(|l| l.right + axis.zero)
     }
     /// Sets the left software limit (4.4.169); it counts once the axis is referenced (shp).
     pub fn wrsll(&mut self, axis: usize, sll: f64) -> bool {
+        let sll = sll - self.axes[axis].zero;
         put(&mut self.limits_mut(axis).left, sll, |_| true)
     }
     /// Sets the right software limit (4.4.170).
     pub fn wrslr(&mut self, axis: usize, slr: f64) -> bool {
+        let slr = slr - self.axes[axis].zero;
         put(&mut self.limits_mut(axis).right, slr, |_| true)
     }
     /// The limits of an axis; without configured ones there is room, and no function.
     fn limits_mut(&mut self, axis: usize) -> &mut SoftwareLimits {
-        const NONE: SoftwareLimits = SoftwareLimits { left: -1e300, right: 1e300, function: LimitFunction::Off };
+        const NONE: SoftwareLimits =
+            SoftwareLimits { left: -UNLIMITED, right: UNLIMITED, function: LimitFunction::Off };
         self.axes[axis].parameters.limits.get_or_insert(NONE)
     }
 

@@ -1,7 +1,6 @@
 //! What the application sees of the controller between samples, and what it does at the start of a job.
 
 use crate::axes::AxisSet;
-use crate::axis::Doing;
 use crate::mcu::Mcu;
 use crate::registers::{Axst, ErrorReg, ModeReg};
 use crate::spooler::{Entry, SpoolState};
@@ -103,7 +102,7 @@ impl Mcu {
             rp: self.loops[a].rp(),
             load: self.loops[a].load(),
             dv: axis.dv,
-            target: if matches!(axis.doing, Doing::Move(_)) { axis.component.target } else { axis.dp },
+            target: if axis.travels() { axis.component.target } else { axis.dp },
             mcis: axis.spooler.moves(),
             lsm: axis.spooler.left(),
             memory: self.machine.controller.spool_memory_bytes,
@@ -159,6 +158,9 @@ impl Mcu {
         self.registers.modereg = modereg;
         let simulated = modereg.has(ModeReg::SimulationMode);
         self.loops.iter_mut().for_each(|position_loop| position_loop.simulate(simulated));
+        if modereg.has(ModeReg::ClearZeroPosition) {
+            self.clear_zero_offsets();
+        }
     }
     pub fn errorreg(&self) -> ErrorReg {
         self.registers.errorreg

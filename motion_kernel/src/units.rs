@@ -68,7 +68,7 @@ impl TimeUnit {
 
 impl PositionUnit {
     /// mm per unit of a translatory unit.
-    fn mm(self) -> Option<f64> {
+    pub(crate) fn mm(self) -> Option<f64> {
         match self {
             PositionUnit::Mm => Some(1.0),
             PositionUnit::Inch => Some(25.4),
@@ -145,6 +145,14 @@ impl Mcu {
     fn path_unit(&self, first: usize) -> f64 {
         let pu = self.registers.units.pu;
         pu.mm().unwrap_or_else(|| self.axes[first].per_unit(pu, true) * self.axes[first].parameters.scale)
+    }
+
+    /// mm/s per unit of velocity of an axis in PU and TU, and mm/s² per unit of acceleration.
+    pub(crate) fn velocity_unit(&self, axis: usize) -> f64 {
+        self.path_unit(axis) / self.registers.units.tu.seconds(self.ta)
+    }
+    pub(crate) fn acceleration_unit(&self, axis: usize) -> f64 {
+        self.velocity_unit(axis) / self.registers.units.tu.seconds(self.ta)
     }
 
     /// Path velocities and acceleration of a command in mm and s; positions stay in PU.

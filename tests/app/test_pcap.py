@@ -110,14 +110,13 @@ def test_registers_by_name(mcu: Mcu) -> None:
         _ = mcu.rdmodereg().nonsense
 
 
-def test_qualifiers(mcu: Mcu) -> None:
-    mcu.wrqualifier("X", "mpe", 0.25)
-    assert mcu.rdqualifier("X", "mpe") == 0.25
+def test_values_of_an_axis(mcu: Mcu) -> None:
+    mcu.wrmpe("X", 0.25)
+    assert mcu.rdmpe("X") == 0.25
     for bad in (-1.0, float("nan"), float("inf")):
         with pytest.raises(ValueError, match="finite"):
-            mcu.wrqualifier("X", "mpe", bad)
-    with pytest.raises(ValueError, match="no qualifier"):
-        mcu.rdqualifier("X", "colour")
+            mcu.wrmpe("X", bad)
+    assert mcu.rdmpe("X") == 0.25
 
 
 @pytest.mark.parametrize(("axis", "error"), [("Q", KeyError), (9, IndexError), (-1, IndexError)])
@@ -223,12 +222,12 @@ def test_registers_are_read_as_they_were_written(mcu: Mcu) -> None:
     assert mcu.rderrorreg().VelocityZero
     assert mcu.rderrorreg() & 1 << 12
     shown = mcu.machine.show()
-    assert mcu.rdqualifier("X", "sdec") == float(re.findall(r"(?m)^stop_deceleration = (.+)$", shown)[0])
+    assert mcu.rdsdec("X") == float(re.findall(r"(?m)^stop_deceleration = (.+)$", shown)[0])
     mcu.smla({"X": 1.0}, ac=500.0, vl=5.0)
     mcu.ssms("X")
     mcu.advance(5)
-    mcu.wrqualifier("X", "sdec", 123.0)
-    assert mcu.rdqualifier("X", "sdec") == 123.0
+    mcu.wrsdec("X", 123.0)
+    assert mcu.rdsdec("X") == 123.0
 
 
 @pytest.mark.shows("pcap.rdcncts")

@@ -1,13 +1,12 @@
 //! `cnc_front._native.motion_kernel`: the machine file and the controller.
 
+use motion_kernel::Mcu as Kernel;
 use motion_kernel::autocode::MoveKind;
 use motion_kernel::axes::{AxisList, AxisSet, MAX_AXES};
-use motion_kernel::axis::Parameters;
 use motion_kernel::functions::Entered;
 use motion_kernel::motion::MotionCommand;
 use motion_kernel::registers::{Axst, ErrorReg, ModeReg};
 use motion_kernel::trace::Trace;
-use motion_kernel::{Mcu as Kernel, Stop};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -22,20 +21,32 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Mcu>()?;
     module.add_class::<Chunk>()?;
     module.add_function(wrap_pyfunction!(register_bits, module)?)?;
+    module.add_function(wrap_pyfunction!(crate::pcap::trajectory_units, module)?)?;
     Ok(())
 }
 
 /// The emulated controller. Axes are given by index; motion_kernel.Mcu adds names.
 #[pyclass(module = "cnc_front._native.motion_kernel")]
 pub struct Mcu {
-    kernel: Kernel,
+    pub(crate) kernel: Kernel,
+    /// What `pass_on` has recorded since `begin_recording`.
+    pub(crate) recording: Trace,
 }
 
-fn set(axes: &[usize]) -> PyResult<AxisSet> {
+pub fn set(axes: &[usize]) -> PyResult<AxisSet> {
     match axes.iter().find(|&&a| a >= MAX_AXES) {
         Some(a) => Err(PyIndexError::new_err(format!("there is no axis {a}"))),
         None => Ok(axes.iter().copied().collect()),
     }
+}
+
+/// Axes with one value each.
+fn axis_list(axes: &[usize], values: &[f64]) -> PyResult<AxisList> {
+    set(axes)?;
+    if axes.len() > MAX_AXES || values.len() != axes.len() {
+        return Err(PyValueError::new_err("one value for each axis"));
+    }
+    Ok(AxisList::new(axes))
 }
 
 fn outcome(entered: Entered) -> &'static str {
@@ -54,7 +65,7 @@ type EventRow = (u64, &'static str, i32, &'static str, bool, u32, i64);
 impl Mcu {
     #[new]
     fn new(machine: &Machine) -> Mcu {
-        Mcu { kernel: Kernel::new(machine.inner.clone()) }
+        Mcu { kernel: Kernel::new(machine.inner.clone()), recording: Trace::default() }
     }
 
     /// Loads a program into a task (0..3); startcnct starts it.
@@ -78,16 +89,6 @@ impl Mcu {
             (trace, advanced.stop)
         });
         Chunk::new(py, trace, stop)
-    }
-    /// As `advance`, but all samples pass, whatever happens.
-    fn pass_time(&mut self, py: Python<'_>, samples: u64) -> PyResult<Chunk> {
-        let kernel = &mut self.kernel;
-        let trace = py.detach(|| {
-            let mut trace = Trace::default();
-            kernel.pass(samples, &mut trace);
-            trace
-        });
-        Chunk::new(py, trace, Stop::Budget)
     }
     fn prepare_gcode(&mut self) {
         self.kernel.prepare_gcode();
@@ -145,11 +146,13 @@ impl Mcu {
         Ok(self.kernel.take_output(known_task(task)?))
     }
 
-    /// smla, smlr, smca, smcr, smha, smhr: "entered", "full", "refused" (open loop, D11) or "discarded" (ErrorReg).
+    /// A motion command by its spooled name (smla, smlr, smca, smcr, smha, smhr), into the spooler or in direct mode:
+    /// "entered", "full", "refused" (open loop, D11) or "discarded" (ErrorReg).
     #[allow(clippy::too_many_arguments)] // the command has these parameters
-    fn spool(
+    fn motion(
         &mut self,
         kind: &str,
+        direct: bool,
         axes: Vec<usize>,
         targets: Vec<f64>,
         vl: f64,
@@ -160,14 +163,15 @@ impl Mcu {
     ) -> PyResult<&'static str> {
         let kind = MoveKind::ALL.into_iter().find(|k| k.name() == kind);
         let kind = kind.ok_or_else(|| PyValueError::new_err("unknown motion command"))?;
-        set(&axes)?;
-        if axes.len() > MAX_AXES || targets.len() != axes.len() {
-            return Err(PyValueError::new_err("one target for each axis"));
-        }
-        let list = AxisList::new(&axes);
+        let list = axis_list(&axes, &targets)?;
         let command =
             MotionCommand { kind, axes: &list, targets: &targets, center, phi, vl, ac, tvl, rapid: false, line: 0 };
-        Ok(outcome(self.kernel.spool(&command)))
+        Ok(outcome(if direct { self.kernel.direct(&command) } else { self.kernel.spool(&command) }))
+    }
+    /// Jogs (ja, jr): outcome as for `motion`.
+    fn jog(&mut self, axes: Vec<usize>, ways: Vec<f64>, relative: bool) -> PyResult<&'static str> {
+        let list = axis_list(&axes, &ways)?;
+        Ok(outcome(if relative { self.kernel.jr(&list, &ways) } else { self.kernel.ja(&list, &ways) }))
     }
     fn ssf(&mut self, axis: usize, command: u16, value: f64) -> PyResult<&'static str> {
         self.check(axis)?;
@@ -204,20 +208,9 @@ impl Mcu {
     fn rs(&mut self) {
         self.kernel.rs();
     }
-    /// False if the factor is not accepted (<= 0).
-    fn wrtrovr(&mut self, factor: f64) -> bool {
-        self.kernel.wrtrovr(factor)
-    }
-    fn wrtrovrst(&mut self, seconds: f64) {
-        self.kernel.wrtrovrst(seconds);
-    }
     fn utrovr(&mut self, axes: Vec<usize>) -> PyResult<()> {
         self.kernel.utrovr(set(&axes)?);
         Ok(())
-    }
-    fn wrjovr(&mut self, axis: usize, factor: f64) -> PyResult<bool> {
-        self.check(axis)?;
-        Ok(self.kernel.wrjovr(axis, factor))
     }
     fn clearci99(&mut self) {
         self.kernel.ClearCI99();
@@ -261,24 +254,10 @@ impl Mcu {
         self.check(axis)?;
         axis_dict(py, &self.kernel.status().axes[axis])
     }
-    /// An axis qualifier under its name in the manual, in PU and TU.
-    fn read_qualifier(&mut self, axis: usize, name: &str) -> PyResult<f64> {
-        self.check(axis)?;
-        Ok(*qualifier(self.kernel.parameters_mut(axis), name)?)
-    }
-    fn write_qualifier(&mut self, axis: usize, name: &str, value: f64) -> PyResult<()> {
-        self.check(axis)?;
-        *qualifier(self.kernel.parameters_mut(axis), name)? = not_negative(value)?;
-        Ok(())
-    }
-    /// TROVR (buffered), TROVRST and TRAC; axes of NFRAX; LookAheadDepth.
-    fn read_registers(&mut self) -> (f64, f64, f64, Vec<usize>, u32) {
+    /// Axes of NFRAX, and LookAheadDepth.
+    fn read_registers(&mut self) -> (Vec<usize>, u32) {
         let r = self.kernel.registers_mut();
-        (r.trovr, r.trovrst, r.trac, r.nfrax.iter().collect(), r.lookahead_depth)
-    }
-    fn write_trac(&mut self, value: f64) -> PyResult<()> {
-        self.kernel.registers_mut().trac = not_negative(value)?;
-        Ok(())
+        (r.nfrax.iter().collect(), r.lookahead_depth)
     }
     fn write_nfrax(&mut self, axes: Vec<usize>) -> PyResult<()> {
         self.kernel.registers_mut().nfrax = set(&axes)?;
@@ -313,7 +292,7 @@ impl Mcu {
 }
 
 impl Mcu {
-    fn check(&self, axis: usize) -> PyResult<()> {
+    pub fn check(&self, axis: usize) -> PyResult<()> {
         if axis < self.axis_count() { Ok(()) } else { Err(PyIndexError::new_err(format!("there is no axis {axis}"))) }
     }
 }
@@ -335,29 +314,7 @@ fn axis_dict<'py>(py: Python<'py>, a: &motion_kernel::status::AxisSnapshot) -> P
     Ok(dict)
 }
 
-/// The qualifiers that have no rule of their own when they are written.
-fn qualifier<'a>(parameters: &'a mut Parameters, name: &str) -> PyResult<&'a mut f64> {
-    match name {
-        "mdvel" => Ok(&mut parameters.mdvel),
-        "maxvel" => Ok(&mut parameters.maxvel),
-        "maxacc" => Ok(&mut parameters.maxacc),
-        "jerkrel" => Ok(&mut parameters.jerkrel),
-        "sdec" => Ok(&mut parameters.sdec),
-        "mpe" => Ok(&mut parameters.mpe),
-        "ipw" => Ok(&mut parameters.ipw),
-        _ => Err(PyValueError::new_err(format!("no qualifier {name}"))),
-    }
-}
-
-fn not_negative(value: f64) -> PyResult<f64> {
-    if value >= 0.0 && value.is_finite() {
-        Ok(value)
-    } else {
-        Err(PyValueError::new_err(format!("{value} is no finite number of 0 or more")))
-    }
-}
-
-fn known_task(task: usize) -> PyResult<usize> {
+pub fn known_task(task: usize) -> PyResult<usize> {
     if task < motion_kernel::mcu::TASKS { Ok(task) } else { Err(PyIndexError::new_err("tasks are 0 to 3")) }
 }
 

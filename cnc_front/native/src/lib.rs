@@ -6,6 +6,7 @@ mod chunk;
 mod kernel;
 mod machine;
 mod paths;
+mod pcap;
 mod program;
 mod record;
 

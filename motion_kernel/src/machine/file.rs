@@ -8,6 +8,8 @@ use super::gcode::gcode_defaults;
 use super::section::{Findings, MachineDiagnostic, Section, nearest};
 use super::*;
 use crate::axes::MAX_AXES;
+use crate::units::{POSITION_UNITS, PositionUnit};
+use crate::zero::ZERO_OFFSET_SETS;
 
 /// The 3-axis mill that is used where no machine file is given; `examples/machines/mill3.toml` itself.
 pub const BUILTIN: &str = include_str!("../../../examples/machines/mill3.toml");
@@ -156,6 +158,8 @@ fn axis(section: Section<'_, '_>) -> Axis {
         pidf: section.section("pidf").map_or_else(PidfGains::default, pidf),
         plant: section.section("plant").map_or(Plant::for_rapid(rapid), |s| plant(s, rapid, unit)),
         effradius: section.number("effradius", "mm", TINY..=BIG, 180.0 / std::f64::consts::PI),
+        display: section.word("display_unit", &POSITION_UNITS, display_default(kind)),
+        zero_offsets: section.section("zero_offsets").map_or([0.0; ZERO_OFFSET_SETS], |s| zero_offsets(s, unit)),
         start: section.number("start", unit, -BIG..=BIG, 0.0),
         reference: section.number("reference", unit, -BIG..=BIG, 0.0),
         equipment: equipment(&section, unit),
@@ -163,6 +167,17 @@ fn axis(section: Section<'_, '_>) -> Axis {
     };
     section.done();
     axis
+}
+
+/// The unit of the axis itself.
+fn display_default(kind: AxisKind) -> PositionUnit {
+    if kind == AxisKind::Linear { PositionUnit::Mm } else { PositionUnit::Deg }
+}
+
+fn zero_offsets(section: Section<'_, '_>, unit: &str) -> [f64; ZERO_OFFSET_SETS] {
+    let sets = ["set0", "set1", "set2", "set3", "set4"].map(|set| section.number(set, unit, -BIG..=BIG, 0.0));
+    section.done();
+    sets
 }
 
 pub(super) const KINDS: [(&str, AxisKind); 2] = [("linear", AxisKind::Linear), ("rotary", AxisKind::Rotary)];

@@ -109,6 +109,10 @@ pub struct Axis {
     pub plant: Plant,
     /// Effective radius of a rotary axis, mm.
     pub effradius: f64,
+    /// Unit in which positions are shown (rddpd, rdrpd, rdtpd).
+    pub display: crate::units::PositionUnit,
+    /// Sets of zero offsets that `azo` chooses from.
+    pub zero_offsets: [f64; crate::zero::ZERO_OFFSET_SETS],
     /// Start position of a G-code run and reference position (G28).
     pub start: f64,
     pub reference: f64,

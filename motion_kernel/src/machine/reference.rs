@@ -17,6 +17,7 @@ rapid = 200.0
 acceleration = 1000.0
 counts_per_unit = 1e4
 limits = { left = -1.0, right = 1.0 }
+zero_offsets = {}
 pidf = {}
 plant = {}
 index = { width = 0.1 }
@@ -76,6 +77,12 @@ const TEXTS: &[(&str, &str, &str)] = &[
         "Radius at which a rotary axis counts for path length and feed (2.3.4).",
         "180 / pi: 1 mm a degree",
     ),
+    ("axis.display_unit", "Unit of rddpd, rdrpd and rdtpd (4.4.58).", "mm, degree for a rotary axis"),
+    ("axis.zero_offsets.set0", "Zero offset of the axis under `azo` 0 (4.4.3).", ""),
+    ("axis.zero_offsets.set1", "Zero offset under `azo` 1.", ""),
+    ("axis.zero_offsets.set2", "Zero offset under `azo` 2.", ""),
+    ("axis.zero_offsets.set3", "Zero offset under `azo` 3.", ""),
+    ("axis.zero_offsets.set4", "Zero offset under `azo` 4.", ""),
     ("axis.start", "Position of the axis when a run begins.", ""),
     ("axis.reference", "Reference position of G28, machine coordinate.", ""),
     ("axis.home_velocity", "Velocity hvl of jhi, jhl, jhr (4.4.148).", "jog_velocity / 4"),

@@ -7,6 +7,8 @@ use super::file::{CONTROLS, DRIVES, INPUT_FUNCTIONS, KINDS, LIMIT_FUNCTIONS};
 use super::gcode::{ARC_CENTRES, DWELL_UNITS, PROFILES};
 use super::*;
 use crate::registers::ModeReg;
+use crate::units::POSITION_UNITS;
+use crate::zero::ZERO_OFFSET_SETS;
 
 impl Machine {
     /// The resolved machine file.
@@ -71,6 +73,7 @@ impl Out {
         self.text("letter", &a.letter.map(String::from).unwrap_or_default());
         self.text("kind", word(&KINDS, &a.kind));
         self.text("drive", word(&DRIVES, &a.drive));
+        self.text("display_unit", word(&POSITION_UNITS, &a.display));
         let numbers = [
             ("counts_per_unit", a.counts_per_unit),
             ("slsp", a.slsp),
@@ -96,6 +99,10 @@ impl Out {
             let function = word(&LIMIT_FUNCTIONS, &limits.function);
             let (left, right) = (number(limits.left), number(limits.right));
             self.value("limits", format_args!("{{ left = {left}, right = {right}, function = \"{function}\" }}"));
+        }
+        if a.zero_offsets != [0.0; ZERO_OFFSET_SETS] {
+            let sets = a.zero_offsets.iter().enumerate().map(|(n, x)| format!("set{n} = {}", number(*x)));
+            self.value("zero_offsets", format_args!("{{ {} }}", sets.collect::<Vec<_>>().join(", ")));
         }
         let PidfGains { kp, ki, kd, kpl, kfcv, kfca } = a.pidf;
         self.value(

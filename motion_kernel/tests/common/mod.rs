@@ -11,6 +11,7 @@ use motion_kernel::machine::*;
 use motion_kernel::motion::MotionCommand;
 use motion_kernel::registers::ModeReg;
 use motion_kernel::trace::Trace;
+use motion_kernel::units::PositionUnit;
 use motion_kernel::{Mcu, Stop};
 use std::sync::Arc;
 
@@ -39,6 +40,8 @@ fn axis(name: char, kind: AxisKind) -> Axis {
         pidf: PidfGains::default(),
         plant: Plant { lag_s: 0.0, ..Plant::for_rapid(240.0) },
         effradius: 57.29577951308232,
+        display: PositionUnit::Mm,
+        zero_offsets: [0.0; 5],
         start: 0.0,
         reference: 0.0,
         equipment: Equipment::default(),
