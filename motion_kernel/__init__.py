@@ -16,7 +16,7 @@ from __future__ import annotations
 from motion_kernel.commands import CommandRefused, PcapError
 from motion_kernel.machine import Diagnostic, Machine, MachineError
 from motion_kernel.mcu import Mcu
-from motion_kernel.registers import Axst, ErrorReg, ModeReg, Register
+from motion_kernel.registers import Axst, ControllerFlags, Digi, ErrorReg, Ifs, ModeReg, Register
 from motion_kernel.structures import MAXAXIS, ROSI, TSRP, Filter, Initialised, TaskStatus
 
 __all__ = [
@@ -25,9 +25,12 @@ __all__ = [
     "TSRP",
     "Axst",
     "CommandRefused",
+    "ControllerFlags",
     "Diagnostic",
+    "Digi",
     "ErrorReg",
     "Filter",
+    "Ifs",
     "Initialised",
     "Machine",
     "MachineError",

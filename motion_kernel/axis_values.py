@@ -85,6 +85,26 @@ class Positions(Driver):
         """The actual positions become the desired ones, at once; a running profile replaces them again."""
         self._mcu.rptodp(self._indices(axes))
 
+    @command("4.4.57", POSITION)
+    def rddpoffset(self, axis: AxisId) -> float:
+        """Offset of the set point of the position loop, as last written. PcapError without a system on the card."""
+        return self._read(axis, "dpoffset")
+
+    @command("4.4.141", POSITION, returns_status=True)
+    def wrdpoffset(self, axis: AxisId, dpoffset: float) -> int:
+        """Offset of the set point of the position loop: a step, or with dvoffset a ramp. Returns 0, or 1."""
+        return self._set_axis(axis, "dpoffset", dpoffset)
+
+    @command("4.4.60", VELOCITY)
+    def rddvoffset(self, axis: AxisId) -> float:
+        """Rate at which dpoffset takes effect; 0 = at once. PcapError without a system on the card."""
+        return self._read(axis, "dvoffset")
+
+    @command("4.4.142", VELOCITY, returns_status=True)
+    def wrdvoffset(self, axis: AxisId, dvoffset: float) -> int:
+        """Rate at which dpoffset takes effect; 0 = at once. Returns 0, or 1 if the value is not allowed."""
+        return self._set_axis(axis, "dvoffset", dvoffset)
+
     @command("4.4.3")
     def azo(self, number: int) -> None:
         """Activates one of five sets of zero offsets (machine file, `zero_offsets`) for all axes; above 4: none."""
@@ -259,9 +279,56 @@ class Parameters(Driver):
         """Encoder counts or stepper pulses per motor revolution. PcapError without a system on the card."""
         return self._mcu.rdslsp(self._index(axis))
 
-    @command("4.4.44")
+    @command("4.4.171", "counts per revolution")
+    def wrslsp(self, axis: AxisId, slsp: float) -> None:
+        """Encoder counts or stepper pulses per motor revolution, above 0. The motor stays, positions
+        get other numbers."""
+        self._write(axis, "slsp", slsp, "above 0")
+
+    @command("4.4.66", "axis units per revolution")
+    def rdgf(self, axis: AxisId) -> float:
+        """Gear factor: what the axis travels in a motor revolution."""
+        return self._read(axis, "gf")
+
+    @command("4.4.145", "axis units per revolution")
+    def wrgf(self, axis: AxisId, gf: float) -> None:
+        """Gear factor, above 0. The motor stays; positions get other numbers, velocities and accelerations must be
+        adapted by the application."""
+        self._write(axis, "gf", gf, "above 0")
+
+    @command("4.4.67", "steps per count", manual="rdgfaux")
+    def rdgfaux(self, axis: AxisId) -> float:
+        """Steps per encoder count of a stepper axis with encoder verification. PcapError without a system."""
+        return self._read(axis, "gfaux")
+
+    @command("4.4.146", "steps per count", returns_status=True)
+    def wrgfaux(self, axis: AxisId, gfaux: float) -> int:
+        """Steps per encoder count, not 0. Returns 0, or 1 if the value is not allowed."""
+        return self._set_axis(axis, "gfaux", gfaux)
+
+    @command("4.4.68", ACCELERATION)
+    def rdhac(self, axis: AxisId) -> float:
+        """Home acceleration."""
+        return self._read(axis, "hac")
+
+    @command("4.4.147", ACCELERATION)
+    def wrhac(self, axis: AxisId, hac: float) -> None:
+        """Home acceleration of all home commands, above 0."""
+        self._write(axis, "hac", hac, "above 0")
+
+    @command("4.4.69", VELOCITY)
+    def rdhvl(self, axis: AxisId) -> float:
+        """Home velocity."""
+        return self._read(axis, "hvl")
+
+    @command("4.4.148", VELOCITY)
+    def wrhvl(self, axis: AxisId, hvl: float) -> None:
+        """Home velocity of all home commands, above 0."""
+        self._write(axis, "hvl", hvl, "above 0")
+
+    @command("4.4.44", "stepper with encoder: counts")
     def rdaux(self, axis: AxisId) -> float:
-        """Auxiliary register: stored, without a meaning of its own."""
+        """Auxiliary register: counts of the encoder of a stepper axis that has one, else what was written last."""
         return self._read(axis, "aux")
 
     @command("4.4.133")
@@ -328,9 +395,9 @@ class Loops(Driver):
         """All values of an axis at once."""
         index = self._index(axis)
         tsrp = TSRP(an=index, **self.rdf(axis)._asdict())
-        state = self._axis(axis)
-        tsrp.axst, tsrp.lsm, tsrp.digo = self._mcu.rdaxst(index), state["lsm"], state["digo"]
-        tsrp.digi, tsrp.epc, tsrp.mcp = self._mcu.rddigi(), self._mcu.epc(), self.rdmcp(axis)
+        tsrp.axst, tsrp.lsm, tsrp.mcp = self._mcu.rdaxst(index), self._axis(axis)["lsm"], self.rdmcp(axis)
+        tsrp.digi, tsrp.digo, tsrp.ifs = self._mcu.rddigi(index), self._mcu.rddigo(), self._mcu.rdifs()
+        tsrp.epc = self._mcu.epc()
         for value in fields(TSRP):
             if value.type == "float" and value.name not in Filter._fields:
                 setattr(tsrp, value.name, self._read(axis, value.name))

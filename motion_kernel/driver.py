@@ -139,6 +139,10 @@ class Driver:
         if not self._mcu.write_axis_register(self._index(axis), register, value):
             raise ValueError(f"{register} {value}: must be a finite number{f' {allowed}' if allowed else ''}")
 
+    def _set_axis(self, axis: AxisId, register: str, value: float) -> int:
+        """Return code of a write: 0, or 1 if the value is not allowed."""
+        return 0 if self._mcu.write_axis_register(self._index(axis), register, value) else FAILED
+
     def _write_in_state(self, axis: AxisId, register: str, value: float, state: str) -> None:
         """CommandRefused unless the axis is in that state."""
         if not math.isfinite(value):

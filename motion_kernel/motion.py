@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from motion_kernel.commands import command
 from motion_kernel.driver import Axes, AxisId, Driver
@@ -79,6 +79,35 @@ class DirectMotion(Driver):
         """As mha, centre and distances relative to the desired positions when the profile starts."""
         return self._arc("smhr", center, distances, phi, ac, vl, tvl, direct=True)
 
+    @command("4.4.30", INTERPOLATION)
+    def mca3d(
+        self,
+        center: Mapping[AxisId, float],
+        normal: Sequence[float],
+        phi: float,
+        *,
+        ac: float,
+        vl: float,
+        tvl: float = 0.0,
+    ) -> bool:
+        """A circle of three axes in space at once: around `center` (absolute), in the plane through the start with
+        that `normal`, `phi` degrees of any size, counter-clockwise seen from the tip of the normal."""
+        return self._arc_3d("mca3d", center, normal, phi, ac, vl, tvl)
+
+    @command("4.4.31", INTERPOLATION)
+    def mcr3d(
+        self,
+        center: Mapping[AxisId, float],
+        normal: Sequence[float],
+        phi: float,
+        *,
+        ac: float,
+        vl: float,
+        tvl: float = 0.0,
+    ) -> bool:
+        """As mca3d, the centre relative to the desired positions when the profile starts."""
+        return self._arc_3d("mcr3d", center, normal, phi, ac, vl, tvl)
+
     @command("4.4.39")
     def ms(self, axes: Axes) -> None:
         """Motion stop: brakes along the contour with the acceleration of the current command (MS_DECEL: TRAC); the
@@ -93,11 +122,19 @@ class DirectMotion(Driver):
         return self._entered(outcome, "jr" if relative else "ja")
 
     def _line(
-        self, kind: str, targets: Mapping[AxisId, float], ac: float, vl: float, tvl: float, *, direct: bool
+        self,
+        kind: str,
+        targets: Mapping[AxisId, float],
+        ac: float,
+        vl: float,
+        tvl: float,
+        *,
+        direct: bool,
+        index: int | None = None,
     ) -> bool:
         axes = [self._index(axis) for axis in targets]
         goals = [float(x) for x in targets.values()]
-        outcome = self._mcu.motion(kind, direct, axes, goals, vl, ac, tvl, 0.0, (0.0, 0.0))
+        outcome = self._mcu.motion(kind, direct, axes, goals, vl, ac, tvl, 0.0, (0.0, 0.0), index)
         return self._entered(outcome, kind[direct:])
 
     def _arc(
@@ -124,6 +161,23 @@ class DirectMotion(Driver):
         goals = [ends.get(axis, 0.0) for axis in axes]
         outcome = self._mcu.motion(kind, direct, axes, goals, vl, ac, tvl, phi, (first, second))
         return self._entered(outcome, name)
+
+    def _arc_3d(
+        self,
+        kind: str,
+        center: Mapping[AxisId, float],
+        normal: Sequence[float],
+        phi: float,
+        ac: float,
+        vl: float,
+        tvl: float,
+    ) -> bool:
+        if len(center) != 3 or len(normal) != 3:
+            raise ValueError(f"{kind}: a centre in three axes and a normal of three numbers")
+        axes = [self._index(axis) for axis in center]
+        middle = [float(x) for x in center.values()]
+        outcome = self._mcu.circle_3d(kind, axes, middle, [float(x) for x in normal], phi, vl, ac, tvl)
+        return self._entered(outcome, kind)
 
 
 class SpooledMotion(DirectMotion):
@@ -184,6 +238,85 @@ class SpooledMotion(DirectMotion):
     def ssf(self, axis: AxisId, function: int, value: float) -> bool:
         """Spools a special function for one axis. False if it was discarded (ErrorReg)."""
         return self._entered(self._mcu.ssf(self._index(axis), function, value), f"ssf {function}")
+
+    @command("4.4.94", INTERPOLATION)
+    def smlai(self, targets: Mapping[AxisId, float], pcapindex: int, *, ac: float, vl: float, tvl: float = 0.0) -> bool:
+        """As smla; `rdpcapindex` of its axes gives `pcapindex` while it is executed."""
+        return self._line("smla", targets, ac, vl, tvl, direct=False, index=pcapindex)
+
+    @command("4.4.94", INTERPOLATION)
+    def smlri(
+        self, distances: Mapping[AxisId, float], pcapindex: int, *, ac: float, vl: float, tvl: float = 0.0
+    ) -> bool:
+        """As smlr, with a PcapIndex."""
+        return self._line("smlr", distances, ac, vl, tvl, direct=False, index=pcapindex)
+
+    @command("4.4.94", "as the function; times in 64 us")
+    def ssfi(self, axis: AxisId, function: int, value: float, pcapindex: int) -> bool:
+        """As ssf, with a PcapIndex."""
+        return self._entered(self._mcu.ssf(self._index(axis), function, value, pcapindex), f"ssfi {function}")
+
+    @command("4.4.94", "as the function; times in 64 us")
+    def ssfni(self, axis: AxisId, function: int, value: float, pcapindex: int) -> bool:
+        """As ssfi (the manual names it without a description)."""
+        return self.ssfi(axis, function, value, pcapindex)
+
+    @command("4.4.94", manual="rdPcapIndex")
+    def rdpcapindex(self, axis: AxisId) -> int:
+        """PcapIndex of the command that the axis executes, or executed last, of those that had one. PcapError without
+        a system on the card."""
+        return int(self._read(axis, "pcapindex"))
+
+    @command("4.4.117", "axis position unit")
+    def spd(self, axis: AxisId, positions: Sequence[float]) -> bool:
+        """Spools 1 to 1000 set points of an axis, one for each sample."""
+        return self._points("spd", axis, positions, 0)
+
+    @command("4.4.118", "axis position unit")
+    def spda(self, axis: AxisId, positions: Sequence[float], pcapindex: int) -> bool:
+        """As spd; the PcapIndex counts on with each point."""
+        return self._points("spda", axis, positions, pcapindex)
+
+    @command("4.4.119", "axis position unit")
+    def spdr(self, axis: AxisId, distances: Sequence[float], pcapindex: int) -> bool:
+        """As spda, by distances from where the axis stands as the block begins."""
+        return self._points("spdr", axis, distances, pcapindex)
+
+    @command("4.4.122", "PU/TU")
+    def sstvl(self, axes: Axes, tvl: float) -> None:
+        """Target velocity of the last trajectory in the spoolers of these axes, as far as it can be reached."""
+        self._mcu.sstvl(self._indices(axes), tvl)
+
+    @command("4.4.30", INTERPOLATION)
+    def smca3d(
+        self,
+        center: Mapping[AxisId, float],
+        normal: Sequence[float],
+        phi: float,
+        *,
+        ac: float,
+        vl: float,
+        tvl: float = 0.0,
+    ) -> bool:
+        """As mca3d, into the spooler."""
+        return self._arc_3d("smca3d", center, normal, phi, ac, vl, tvl)
+
+    @command("4.4.31", INTERPOLATION)
+    def smcr3d(
+        self,
+        center: Mapping[AxisId, float],
+        normal: Sequence[float],
+        phi: float,
+        *,
+        ac: float,
+        vl: float,
+        tvl: float = 0.0,
+    ) -> bool:
+        """As smca3d, the centre relative to the end of what is spooled."""
+        return self._arc_3d("smcr3d", center, normal, phi, ac, vl, tvl)
+
+    def _points(self, kind: str, axis: AxisId, points: Sequence[float], index: int) -> bool:
+        return self._entered(self._mcu.points(kind, self._index(axis), [float(x) for x in points], index), kind)
 
     @command("4.4.120")
     def ssms(self, axes: Axes) -> None:

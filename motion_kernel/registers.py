@@ -51,6 +51,24 @@ class ErrorReg(Register):
     table = "errorreg"
 
 
+class ControllerFlags(Register):
+    """Options of the position loop of a servo axis (6.3.1.4, table 35)."""
+
+    table = "controllerflags"
+
+
+class Digi(Register):
+    """Digi word of an axis (4.4.52.1): bits 0 to 15 the digital inputs, above them signals of the axis, by name."""
+
+    table = "digi"
+
+
+class Ifs(Register):
+    """Interface status (4.4.70.1)."""
+
+    table = "ifs"
+
+
 class ModeReg(Register):
     """MODEREG (6.3.1.5, table 36)."""
 

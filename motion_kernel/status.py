@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from motion_kernel.commands import command
 from motion_kernel.driver import AxisId, Driver, InterruptRoutine
-from motion_kernel.registers import Axst, ErrorReg, ModeReg
+from motion_kernel.registers import Axst, ControllerFlags, Digi, ErrorReg, Ifs, ModeReg
 
 FIELD = 15  # controller parameters of an axis: 15 x 15
 
@@ -43,11 +43,26 @@ class Status(Driver):
         """MODEREG, e.g. ModeReg.of("LookAhead", "ChkMaxVel")."""
         self._mcu.wrmodereg(value)
 
+    @command("4.4.51", manual="rdControllerFlags")
+    def rdcontrollerflags(self, axis: AxisId) -> ControllerFlags:
+        """Options of the position loop."""
+        return ControllerFlags(self._mcu.rdcontrollerflags(self._index(axis)))
+
+    @command("4.4.137", manual="wrControllerFlags")
+    def wrcontrollerflags(self, axis: AxisId, flags: int) -> None:
+        """Options of the position loop, e.g. ControllerFlags.of("MoveControl", "MoveFix")."""
+        self._mcu.wrcontrollerflags(self._index(axis), flags)
+
     @command("4.4.52")
-    def rddigi(self, axis: AxisId = 0) -> int:
-        """Digital inputs after inversion, bit n-1 = input n; the inputs belong to no axis."""
-        self._index(axis)
-        return self._mcu.rddigi()
+    def rddigi(self, axis: AxisId = 0) -> Digi:
+        """Digital inputs after inversion, bit n-1 = input n of the board, whatever the axis; bits 16 to 23 are signals
+        of the axis (index, strobe, encoder alarms)."""
+        return Digi(self._mcu.rddigi(self._index(axis)))
+
+    @command("4.4.72")
+    def rdigi(self, axis: AxisId) -> None:
+        """Clears the stored bits 17 to 19 of the digi word of an axis."""
+        self._mcu.rdigi(self._index(axis))
 
     @command("4.4.53")
     def rddigib(self, axis: AxisId, bitnr: int) -> int:
@@ -56,13 +71,42 @@ class Status(Driver):
 
     @command("4.4.54")
     def rddigo(self, axis: AxisId = 0) -> int:
-        """Digital outputs, bit n-1 = output n."""
-        return int(self._axis(axis)["digo"])
+        """Digital outputs, bit n-1 = output n; the same for all axes."""
+        self._index(axis)
+        return self._mcu.rddigo()
+
+    @command("4.4.138")
+    def wrdigo(self, axis: AxisId, digo: int) -> None:
+        """Sets all digital outputs, bit n-1 = output n of 8; the same for all axes."""
+        self._mcu.wrdigo(self._index(axis), digo & 0xFFFFFFFF)
 
     @command("4.4.55")
     def rddigob(self, axis: AxisId, bitnr: int) -> int:
         """One digital output; `bitnr` counts from 1."""
         return bit(self.rddigo(axis), bitnr)
+
+    @command("4.4.139")
+    def wrdigob(self, axis: AxisId, bitnr: int, value: int) -> None:
+        """Sets (1) or resets (0) one digital output; `bitnr` counts from 1, above 8 it does nothing."""
+        if 1 <= bitnr <= 32:
+            self._mcu.wrdigob(self._index(axis), bitnr, bool(value))
+
+    @command("4.4.70")
+    def rdifs(self, axis: AxisId = 0) -> Ifs:
+        """Interface status of the card. PcapError without a system on it."""
+        self._index(axis)
+        return Ifs(self._mcu.rdifs())
+
+    @command("4.4.71")
+    def rdifsb(self, axis: AxisId, bitnr: int) -> int:
+        """One bit of the interface status; `bitnr` counts from 1: edv is 1."""
+        return bit(self.rdifs(axis), bitnr)
+
+    @command("4.4.111")
+    def rifs(self, axis: AxisId = 0) -> None:
+        """Clears the error flags 16 to 20 of the interface status."""
+        self._index(axis)
+        self._mcu.rifs()
 
     def set_inputs(self, digi: int) -> None:
         """The world outside: levels of the digital inputs, bit n-1 = input n."""

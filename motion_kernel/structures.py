@@ -25,6 +25,8 @@ class TSRP:
     jvl: float = 0.0
     jtvl: float = 0.0
     jovr: float = 1.0
+    hac: float = 0.0
+    hvl: float = 0.0
     rp: float = 0.0
     dp: float = 0.0
     tp: float = 0.0
@@ -32,15 +34,18 @@ class TSRP:
     slr: float = 0.0
     ipw: float = 0.0
     mpe: float = 0.0
+    gf: float = 0.0
     mcp: int = 0
     axst: int = 0
     lsm: int = 0
     epc: int = 0
     digi: int = 0
     digo: int = 0
+    ifs: int = 0
     dv: float = 0.0
     sdec: float = 0.0
     aux: float = 0.0
+    lp: float = 0.0
 
 
 class Filter(NamedTuple):

@@ -8,7 +8,6 @@ import os
 import struct
 from pathlib import Path
 
-from cnc_front._native import motion_kernel as native
 from motion_kernel.axis_values import Loops
 from motion_kernel.commands import command
 from motion_kernel.machine import Machine, MachineError
@@ -56,7 +55,7 @@ class System(Loops):
         card.trace = None
         status = _check_elf(os.fspath(filename))
         if status == 0:
-            card.emulator = native.Mcu(card.machine.native)
+            card.emulator.reboot()
             card.booted = True
         return status
 

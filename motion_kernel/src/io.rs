@@ -46,6 +46,10 @@ impl Io {
         let dropped = AxisSet::EMPTY;
         Io { levels, inverted, digo: defaults, defaults, amplifiers, dropped, ifs, logic: Ifs(0) }
     }
+    /// Takes over what system data do not change: levels of the inputs, the interface.
+    pub fn keep_outside(&mut self, before: &Io) {
+        (self.levels, self.ifs, self.logic) = (before.levels, before.ifs, before.logic);
+    }
     /// The inputs after inversion.
     pub fn active_inputs(&self) -> u32 {
         self.levels ^ self.inverted

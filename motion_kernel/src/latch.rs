@@ -123,6 +123,10 @@ impl Mcu {
         self.set_status(axis, Axst::lpsf, false);
         self.signals[axis].lp
     }
+    /// The same without clearing anything (rdap).
+    pub fn latched(&self, axis: usize) -> f64 {
+        self.signals[axis].lp
+    }
     /// Sets the latched position (wrlp).
     pub fn wrlp(&mut self, axis: usize, lp: f64) -> bool {
         let ok = lp.is_finite();

@@ -224,12 +224,26 @@ impl Mcu {
         fresh.registers = Registers { trac, lookahead_depth, trovr: 1.0, ..self.registers.clone() };
         fresh.registers.nfrax = fresh.known(fresh.registers.nfrax);
         std::mem::swap(&mut fresh.card, &mut self.card);
+        std::mem::swap(&mut fresh.hardware, &mut self.hardware);
+        fresh.io.keep_outside(&self.io);
+        fresh.digi = fresh.io.active_inputs();
         fresh.card.axes.resize_with(fresh.axes.len(), Default::default);
         if fresh.axes.len() == self.axes.len() {
             std::mem::swap(&mut fresh.tasks, &mut self.tasks);
             fresh.tasks.iter_mut().for_each(Task::stop);
             (fresh.group, fresh.leader) = (self.group, self.leader);
         }
+        fresh.check_configuration();
+        *self = fresh;
+    }
+    /// The operating system starts again (BootFile): all as after power-up, but for the drives that are there and what
+    /// the logic of the interface remembers.
+    pub fn reboot(&mut self) {
+        let mut fresh = Mcu::new(self.machine.clone());
+        std::mem::swap(&mut fresh.hardware, &mut self.hardware);
+        fresh.io.keep_outside(&self.io);
+        fresh.boot_interface();
+        fresh.digi = fresh.io.active_inputs();
         *self = fresh;
     }
 
@@ -278,7 +292,7 @@ impl Mcu {
 
     /// Goes on with a recording: up to `samples` sample intervals, whatever happens; comes back behind one in which the
     /// interrupt of the PC was raised. Returns how many passed. `trace` begins with [`Trace::restart`].
-    pub fn pass_on(&mut self, samples: u64, trace: &mut Trace) -> u64 {
+    pub fn pass_to_interrupt(&mut self, samples: u64, trace: &mut Trace) -> u64 {
         let interrupts = self.card.interrupts();
         trace.reserve(samples.min(1 << 20) as usize);
         for passed in 1..=samples {

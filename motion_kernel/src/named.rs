@@ -46,7 +46,17 @@ pub const AXIS_REGISTERS: &[Register] = &[
     register("maxvel", |m, a| m.parameters(a).maxvel / m.velocity_unit(a), Some(|m, a, v| m.wrmaxvel(a, v))),
     register("maxacc", |m, a| m.parameters(a).maxacc / m.acceleration_unit(a), Some(|m, a, v| m.wrmaxacc(a, v))),
     register("effradius", |m, a| m.rdeffradius(a), Some(|m, a, v| m.wreffradius(a, v))),
-    register("aux", |m, a| m.card.axes[a].aux, Some(|m, a, v| put(&mut m.card.axes[a].aux, v, |_| true))),
+    register("hac", |m, a| m.rdhac(a), Some(|m, a, v| m.wrhac(a, v))),
+    register("hvl", |m, a| m.rdhvl(a), Some(|m, a, v| m.wrhvl(a, v))),
+    register("gf", |m, a| m.rdgf(a), Some(|m, a, v| m.wrgf(a, v))),
+    register("gfaux", |m, a| m.rdgfaux(a), Some(|m, a, v| m.wrgfaux(a, v))),
+    register("slsp", |m, a| m.rdslsp(a).1, Some(|m, a, v| m.wrslsp(a, v))),
+    register("dpoffset", |m, a| m.rddpoffset(a), Some(|m, a, v| m.wrdpoffset(a, v))),
+    register("dvoffset", |m, a| m.rddvoffset(a), Some(|m, a, v| m.wrdvoffset(a, v))),
+    register("lp", |m, a| m.latched(a), Some(|m, a, v| m.wrlp(a, v))),
+    register("lpndx", |m, a| m.rdlpndx(a), Some(|m, a, v| m.wrlpndx(a, v))),
+    register("pcapindex", |m, a| f64::from(m.rdPcapIndex(a)), None),
+    register("aux", |m, a| m.rdaux(a), Some(|m, a, v| put(&mut m.card.axes[a].aux, v, |_| true))),
 ];
 
 /// A register of the controller as a whole that is one number.
@@ -105,6 +115,11 @@ pub(crate) fn put(slot: &mut f64, value: f64, allowed: impl Fn(f64) -> bool) -> 
 }
 
 impl Mcu {
+    /// Auxiliary register (4.4.44): of a stepper axis with an encoder its counts, else what was written last.
+    pub fn rdaux(&self, axis: usize) -> f64 {
+        let has_encoder = self.machine.axes[axis].equipment.encoder.is_some();
+        if has_encoder { self.encoder_counts(axis) as f64 } else { self.card.axes[axis].aux }
+    }
     /// Target position of the last travel command, absolute (4.4.103).
     pub fn rdtp(&self, axis: usize) -> f64 {
         self.axes[axis].component.target

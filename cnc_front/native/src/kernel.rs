@@ -5,7 +5,7 @@ use motion_kernel::autocode::MoveKind;
 use motion_kernel::axes::{AxisList, AxisSet, MAX_AXES};
 use motion_kernel::functions::Entered;
 use motion_kernel::motion::MotionCommand;
-use motion_kernel::registers::{Axst, ErrorReg, ModeReg};
+use motion_kernel::registers::{Axst, ControllerFlags, Digi, ErrorReg, Ifs, ModeReg};
 use motion_kernel::trace::Trace;
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
@@ -41,7 +41,7 @@ pub fn set(axes: &[usize]) -> PyResult<AxisSet> {
 }
 
 /// Axes with one value each.
-fn axis_list(axes: &[usize], values: &[f64]) -> PyResult<AxisList> {
+pub fn axis_list(axes: &[usize], values: &[f64]) -> PyResult<AxisList> {
     set(axes)?;
     if axes.len() > MAX_AXES || values.len() != axes.len() {
         return Err(PyValueError::new_err("one value for each axis"));
@@ -49,7 +49,7 @@ fn axis_list(axes: &[usize], values: &[f64]) -> PyResult<AxisList> {
     Ok(AxisList::new(axes))
 }
 
-fn outcome(entered: Entered) -> &'static str {
+pub fn outcome(entered: Entered) -> &'static str {
     match entered {
         Entered::Yes => "entered",
         Entered::Full => "full",
@@ -149,6 +149,7 @@ impl Mcu {
     /// A motion command by its spooled name (smla, smlr, smca, smcr, smha, smhr), into the spooler or in direct mode:
     /// "entered", "full", "refused" (open loop, D11) or "discarded" (ErrorReg).
     #[allow(clippy::too_many_arguments)] // the command has these parameters
+    #[pyo3(signature = (kind, direct, axes, targets, vl, ac, tvl, phi, center, pcap_index=None))]
     fn motion(
         &mut self,
         kind: &str,
@@ -160,22 +161,31 @@ impl Mcu {
         tvl: f64,
         phi: f64,
         center: [f64; 2],
+        pcap_index: Option<i32>,
     ) -> PyResult<&'static str> {
         let kind = MoveKind::ALL.into_iter().find(|k| k.name() == kind);
         let kind = kind.ok_or_else(|| PyValueError::new_err("unknown motion command"))?;
         let list = axis_list(&axes, &targets)?;
         let command =
             MotionCommand { kind, axes: &list, targets: &targets, center, phi, vl, ac, tvl, rapid: false, line: 0 };
-        Ok(outcome(if direct { self.kernel.direct(&command) } else { self.kernel.spool(&command) }))
+        Ok(outcome(match pcap_index {
+            _ if direct => self.kernel.direct(&command),
+            Some(index) => self.kernel.spool_indexed(&command, index),
+            None => self.kernel.spool(&command),
+        }))
     }
     /// Jogs (ja, jr): outcome as for `motion`.
     fn jog(&mut self, axes: Vec<usize>, ways: Vec<f64>, relative: bool) -> PyResult<&'static str> {
         let list = axis_list(&axes, &ways)?;
         Ok(outcome(if relative { self.kernel.jr(&list, &ways) } else { self.kernel.ja(&list, &ways) }))
     }
-    fn ssf(&mut self, axis: usize, command: u16, value: f64) -> PyResult<&'static str> {
+    #[pyo3(signature = (axis, command, value, pcap_index=None))]
+    fn ssf(&mut self, axis: usize, command: u16, value: f64, pcap_index: Option<i32>) -> PyResult<&'static str> {
         self.check(axis)?;
-        Ok(outcome(self.kernel.ssf(axis, command, value, 0)))
+        Ok(outcome(match pcap_index {
+            Some(index) => self.kernel.ssfi(axis, command, value, index),
+            None => self.kernel.ssf(axis, command, value, 0),
+        }))
     }
     fn ssms(&mut self, axes: Vec<usize>) -> PyResult<()> {
         self.kernel.ssms(set(&axes)?);
@@ -333,6 +343,9 @@ pub fn register_bits(register: &str) -> PyResult<Vec<(u32, &'static str, &'stati
         "axst" => Ok(Axst::ALL.to_vec()),
         "errorreg" => Ok(ErrorReg::ALL.to_vec()),
         "modereg" => Ok(ModeReg::ALL.to_vec()),
-        _ => Err(PyValueError::new_err("axst, errorreg or modereg")),
+        "controllerflags" => Ok(ControllerFlags::ALL.to_vec()),
+        "digi" => Ok(Digi::ALL.to_vec()),
+        "ifs" => Ok(Ifs::ALL.to_vec()),
+        _ => Err(PyValueError::new_err("axst, errorreg, modereg, controllerflags, digi or ifs")),
     }
 }

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 mod chunk;
 mod kernel;
 mod machine;
+mod motion;
 mod paths;
 mod pcap;
 mod program;

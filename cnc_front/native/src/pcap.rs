@@ -3,6 +3,7 @@
 use motion_kernel::card::{CONTROLLER_PARAMETERS, Led};
 use motion_kernel::machine::PidfGains;
 use motion_kernel::named::{axis_register, system_register};
+use motion_kernel::registers::ControllerFlags;
 use motion_kernel::{Stop, units};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
@@ -23,7 +24,7 @@ impl Mcu {
     /// the PC. Returns how many passed.
     fn pass_on(&mut self, py: Python<'_>, samples: u64) -> u64 {
         let (kernel, recording) = (&mut self.kernel, &mut self.recording);
-        py.detach(|| kernel.pass_on(samples, recording))
+        py.detach(|| kernel.pass_to_interrupt(samples, recording))
     }
     fn take_recording(&mut self, py: Python<'_>) -> PyResult<Chunk> {
         Chunk::new(py, std::mem::take(&mut self.recording), Stop::Budget)
@@ -51,9 +52,47 @@ impl Mcu {
     fn write_register(&mut self, name: &str, value: f64) -> PyResult<bool> {
         Ok((system_register(name).ok_or_else(|| unknown(name))?.write)(&mut self.kernel, value))
     }
-    /// Digital inputs after inversion, bit n-1 = input n.
-    fn rddigi(&self) -> u32 {
-        self.kernel.rddigi()
+    /// The operating system starts again.
+    fn reboot(&mut self) {
+        self.kernel.reboot();
+    }
+    /// Digi word of an axis.
+    fn rddigi(&self, axis: usize) -> PyResult<u32> {
+        self.check(axis)?;
+        Ok(self.kernel.rddigi(axis))
+    }
+    fn rdigi(&mut self, axis: usize) -> PyResult<()> {
+        self.check(axis)?;
+        self.kernel.rdigi(axis);
+        Ok(())
+    }
+    fn rddigo(&self) -> u32 {
+        self.kernel.rddigo()
+    }
+    fn wrdigo(&mut self, axis: usize, digo: u32) -> PyResult<()> {
+        self.check(axis)?;
+        self.kernel.wrdigo(axis, digo);
+        Ok(())
+    }
+    fn wrdigob(&mut self, axis: usize, bitnr: u32, on: bool) -> PyResult<()> {
+        self.check(axis)?;
+        self.kernel.wrdigob(axis, bitnr, on);
+        Ok(())
+    }
+    fn rdifs(&self) -> u32 {
+        self.kernel.rdifs().0
+    }
+    fn rifs(&mut self) {
+        self.kernel.rifs();
+    }
+    fn rdcontrollerflags(&self, axis: usize) -> PyResult<u32> {
+        self.check(axis)?;
+        Ok(self.kernel.rdControllerFlags(axis).0)
+    }
+    fn wrcontrollerflags(&mut self, axis: usize, flags: u32) -> PyResult<()> {
+        self.check(axis)?;
+        self.kernel.wrControllerFlags(axis, ControllerFlags(flags));
+        Ok(())
     }
 
     /// kp, ki, kd, kpl, kfcv, kfca.

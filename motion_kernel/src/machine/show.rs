@@ -67,6 +67,12 @@ impl Out {
         self.value("clock_hz", number(c.clock_hz));
         self.names("stop_at", c.stop_at.names());
     }
+    fn zero_offsets(&mut self, offsets: &[f64; ZERO_OFFSET_SETS]) {
+        if *offsets != [0.0; ZERO_OFFSET_SETS] {
+            let sets = offsets.iter().enumerate().map(|(n, x)| format!("set{n} = {}", number(*x)));
+            self.value("zero_offsets", format_args!("{{ {} }}", sets.collect::<Vec<_>>().join(", ")));
+        }
+    }
     fn axis(&mut self, a: &Axis) {
         self.line("\n[[axis]]");
         self.text("name", &a.name);
@@ -100,10 +106,7 @@ impl Out {
             let (left, right) = (number(limits.left), number(limits.right));
             self.value("limits", format_args!("{{ left = {left}, right = {right}, function = \"{function}\" }}"));
         }
-        if a.zero_offsets != [0.0; ZERO_OFFSET_SETS] {
-            let sets = a.zero_offsets.iter().enumerate().map(|(n, x)| format!("set{n} = {}", number(*x)));
-            self.value("zero_offsets", format_args!("{{ {} }}", sets.collect::<Vec<_>>().join(", ")));
-        }
+        self.zero_offsets(&a.zero_offsets);
         let PidfGains { kp, ki, kd, kpl, kfcv, kfca } = a.pidf;
         self.value(
             "pidf",
