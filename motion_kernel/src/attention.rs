@@ -31,6 +31,9 @@ impl Mcu {
     /// After the drives have moved: the world outside, signals, latches, searches, offsets.
     #[cold]
     pub(crate) fn attend(&mut self) {
+        if self.attention.stimulus {
+            self.play_stimulus();
+        }
         for a in self.attention.index.iter() {
             self.watch_index(a);
         }

@@ -39,6 +39,7 @@ pub mod registers;
 pub mod sap;
 pub mod spooler;
 pub mod status;
+pub mod stimulus;
 pub mod tasks;
 pub mod trace;
 pub mod trajectory;

@@ -15,6 +15,7 @@ use crate::path::Component;
 use crate::position_loop::PositionLoop;
 use crate::registers::{Axst, ErrorReg, ModeReg};
 use crate::spooler::{BYTES_LINEAR, Move, Moves, NONE, SpoolState};
+use crate::stimulus::Player;
 use crate::tasks::Task;
 use crate::trace::{Event, EventKind, Events, Trace};
 use std::sync::Arc;
@@ -114,6 +115,7 @@ pub struct Mcu {
     pub(crate) hardware: Vec<DriveKind>,
     pub(crate) attention: Attention,
     pub(crate) attending: bool,
+    pub(crate) player: Player,
     /// Status bits that end a job.
     pub(crate) stop_at: Axst,
     pub(crate) axis_inputs: Vec<crate::limits::AxisInputs>,
@@ -182,6 +184,7 @@ impl Mcu {
             hardware: machine.axes.iter().map(|a| a.drive).collect(),
             attention: Attention::default(),
             attending: false,
+            player: Player::default(),
             stop_at: Axst(0),
             axis_inputs: crate::limits::AxisInputs::of(&machine),
             tasks: std::array::from_fn(|_| Task::default()),
@@ -210,6 +213,10 @@ impl Mcu {
         let (index, backlash) = (of(Signals::has_index), of(|signals| signals.backlash.is_used()));
         (0..self.axes.len()).for_each(|a| self.supply(a));
         self.attend_to(|attention| (attention.index, attention.backlash) = (index, backlash));
+        let machine = self.machine.clone();
+        if let Some(stimulus) = &machine.stimulus {
+            self.add_stimulus(stimulus);
+        }
     }
 
     /// Takes over new system data (txbf2 of a system file): all axes begin anew with them. What `rs` keeps stays, and so

@@ -93,6 +93,8 @@ pub enum EventKind {
     Outputs,
     /// The spooler began or ended a wait for the application (ssf 1000, 1005, 1015, 1025): `value` = command.
     Wait,
+    /// The world outside: an input or a fault that a stimulus plays (`name`); `value` = number of the input.
+    Stimulus,
     /// A task stopped with a runtime error: `value` = error number, `axis` = task.
     Task,
 }
@@ -105,6 +107,7 @@ impl EventKind {
             EventKind::Host => "host",
             EventKind::Outputs => "outputs",
             EventKind::Wait => "wait",
+            EventKind::Stimulus => "stimulus",
             EventKind::Task => "task",
         }
     }

@@ -61,6 +61,7 @@ pub(super) fn machine(file: Section<'_, '_>) -> Machine {
     let machine = Machine {
         inputs: file.sections("input").into_iter().map(|section| input(section, &axes)).collect(),
         outputs: file.sections("output").into_iter().map(|section| output(section, &axes)).collect(),
+        stimulus: stimulus(&file, &axes),
         name: file.text("name").unwrap_or("machine").to_owned(),
         tolerance_mm: file.number("tolerance_mm", "mm", TINY..=BIG, 0.05),
         axes,
@@ -69,6 +70,19 @@ pub(super) fn machine(file: Section<'_, '_>) -> Machine {
     };
     file.done();
     machine
+}
+
+/// The rules in a machine file; their findings stand at the lines of the file.
+fn stimulus(file: &Section<'_, '_>, axes: &[Axis]) -> Option<Stimulus> {
+    let text = file.text("stimulus")?;
+    let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
+    match Stimulus::parse(text, &names) {
+        Ok(stimulus) => Some(stimulus),
+        Err(findings) => {
+            findings.into_iter().for_each(|finding| file.finding_in_text("stimulus", finding));
+            None
+        }
+    }
 }
 
 fn check_axes(file: &Section<'_, '_>, axes: &[Axis]) {

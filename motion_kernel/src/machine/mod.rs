@@ -2,6 +2,7 @@
 
 use crate::axes::AxisSet;
 use crate::registers::Axst;
+use crate::stimulus::Stimulus;
 
 mod equipment;
 mod file;
@@ -28,6 +29,8 @@ pub struct Machine {
     pub inputs: Vec<Input>,
     /// Digital outputs that are on after a reset or have a function.
     pub outputs: Vec<Output>,
+    /// What the world outside does in every run.
+    pub stimulus: Option<Stimulus>,
     pub gcode: GcodeDefaults,
     /// Verdict limit of the contour deviation, mm.
     pub tolerance_mm: f64,

@@ -40,6 +40,7 @@ references = {}
 const TEXTS: &[(&str, &str, &str)] = &[
     ("name", "Name of the machine, shown in reports.", "machine"),
     ("tolerance_mm", "Verdict of a run: largest deviation of the load side from the programmed contour.", ""),
+    ("stimulus", "What the world outside does in every run: rules as in `docs/stimulus.md`.", "none"),
     ("controller.sample_ticks", "Sample time TA in units of 64 us (2.1.2.3); 20 = 1.28 ms.", ""),
     ("controller.spool_memory_bytes", "Spool memory of each axis (2.2.8).", ""),
     ("controller.direct_latency", "Samples from a direct command to its effect (design D2).", ""),

@@ -369,6 +369,24 @@ impl<'a, 't> Section<'a, 't> {
         self.findings.add(span, id, format!("{}: {message}", self.name), hint);
     }
 
+    /// A finding inside the text of a key, by line and column of that text. A text in three quotes begins on the line
+    /// below them.
+    pub(super) fn finding_in_text(&self, key: &str, finding: MachineDiagnostic) {
+        let span = self.span_of(key);
+        let value = &self.findings.text[span.clone()];
+        let quotes = if value.starts_with("\"\"\"") || value.starts_with("'''") { 3 } else { 1 };
+        let below = value[quotes..].starts_with('\n') || value[quotes..].starts_with("\r\n");
+        let (line, column) = self.findings.position(span.start + quotes);
+        let first = finding.line == 1 && !below;
+        let shift = if first { column - 1 } else { 0 };
+        let line = line + finding.line - 1 + u32::from(below);
+        let mut list = self.findings.list.borrow_mut();
+        if list.len() < MOST_FINDINGS {
+            let (column, end_column) = (finding.column + shift, finding.end_column + shift);
+            list.push(MachineDiagnostic { line, column, end_column, ..finding });
+        }
+    }
+
     /// Complains about every key that was never asked for.
     pub(super) fn done(self) {
         let asked = self.asked.borrow();

@@ -16,6 +16,9 @@ impl Machine {
         let mut out = Out(String::new());
         out.text("name", &self.name);
         out.value("tolerance_mm", number(self.tolerance_mm));
+        if let Some(stimulus) = &self.stimulus {
+            out.text("stimulus", &stimulus.text);
+        }
         out.controller(&self.controller);
         self.axes.iter().for_each(|axis| out.axis(axis));
         self.inputs.iter().for_each(|input| out.input(input, &self.axes));

@@ -73,6 +73,7 @@ pub fn machine(letters: &str) -> Machine {
         },
         inputs: vec![],
         outputs: vec![],
+        stimulus: None,
         tolerance_mm: 0.05,
     }
 }
