@@ -177,7 +177,7 @@ fn a_contact_bounces() {
     let seen = changes(&mut mcu, 100);
     let on: Vec<u64> = seen.iter().filter(|s| s.0 < 30).map(|s| s.0).collect();
     assert_eq!(on, [0, 11, 13, 14, 15, 16], "{seen:?}");
-    assert_eq!(seen.iter().filter(|s| s.0 < 30).last().map(|s| s.1), Some(1), "and stays");
+    assert_eq!(seen.iter().rfind(|s| s.0 < 30).map(|s| s.1), Some(1), "and stays");
     assert_eq!(seen.last().map(|s| s.1), Some(0));
 }
 
