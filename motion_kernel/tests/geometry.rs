@@ -237,20 +237,6 @@ fn rotary_targets_are_degrees_or_circumference() {
     assert_eq!(samples, samples_mm);
 }
 
-#[test]
-fn a_circle_on_a_cylinder_is_one_on_the_unrolled_surface() {
-    let mut machine = machine("XC");
-    machine.axes[1].effradius = 20.0;
-    let mut m = mcu_of(machine, EXACT);
-    let centre_degrees = (5.0f64 / 20.0).to_degrees();
-    spool(&mut m, Smca, &xy(), &[0.0; 2], [0.0, centre_degrees], 180.0, V);
-    let trace = run(&mut m);
-    for p in points(&trace) {
-        close(p[0].hypot(p[1].to_radians() * 20.0 - 5.0), 5.0, 1e-12);
-    }
-    at(&end(&trace), &[0.0, 2.0 * centre_degrees]);
-}
-
 /// Alone they do count.
 // shows: pcap.wrnfrax.effect
 #[test]

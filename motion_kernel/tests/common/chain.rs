@@ -1,9 +1,10 @@
-//! Random chains of lines, circles and helices in 2 to 6 axes, and an oracle for them: curves in n-dimensional space
+//! Random chains of lines, circles and helices in 2 to 6 axes, with 3-D circles in 3 of them, and an oracle for them: curves in n-dimensional space
 //! (centre, two orthonormal vectors, drift) with foot points, in the metric of design D7. Shared with nobody.
 
 use super::*;
 use motion_kernel::autocode::MoveKind;
 use motion_kernel::axes::AxisList;
+use motion_kernel::circle_3d::Circle3d;
 use motion_kernel::trace::Trace;
 use proptest::prelude::*;
 
@@ -99,6 +100,9 @@ pub enum Shape {
     Line { direction: Vector },
     /// Direction of the centre in the plane (radians), radius, degrees, travel of each further axis.
     Arc { towards: f64, radius: f64, phi: f64, further: Vector },
+    /// A 3-D circle: normal, direction of the centre in its plane, radius, degrees, and how far beside the plane the
+    /// centre is given.
+    Space { normal: [f64; 3], towards: f64, radius: f64, phi: f64, beside: f64 },
 }
 
 /// One motion command, before it has a place.
@@ -140,11 +144,24 @@ fn shape(axes: usize) -> impl Strategy<Value = Shape> {
     prop_oneof![line, arc]
 }
 
-fn element(axes: usize) -> impl Strategy<Value = Element> {
+fn shape_in_space() -> impl Strategy<Value = Shape> {
+    let normal = [-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64].prop_filter("points somewhere", |n| norm(n) > 0.1);
+    (normal, 0.0..std::f64::consts::TAU, 0.2..10.0f64, -500.0..500.0f64, -3.0..3.0f64).prop_map(
+        |(normal, towards, radius, phi, beside)| Shape::Space {
+            normal,
+            towards,
+            radius,
+            phi: phi + phi.signum(),
+            beside,
+        },
+    )
+}
+
+fn element(axes: usize, shape: impl Strategy<Value = Shape>) -> impl Strategy<Value = Element> {
     let order = Just((0..axes).collect::<Vec<_>>()).prop_shuffle();
     let length = prop_oneof![0.05..0.5f64, 0.5..20.0f64];
     let dynamics = (5.0..120.0f64, 100.0..2000.0f64);
-    (order, shape(axes), length, prop::bool::weighted(0.7), dynamics, prop::bool::weighted(0.9)).prop_map(
+    (order, shape, length, prop::bool::weighted(0.7), dynamics, prop::bool::weighted(0.9)).prop_map(
         |(order, shape, length, smooth, (vl, ac), goes_on)| Element { order, shape, length, smooth, vl, ac, goes_on },
     )
 }
@@ -152,8 +169,16 @@ fn element(axes: usize) -> impl Strategy<Value = Element> {
 /// Chains of up to `most` elements in 2 to 6 axes; the last axis may be rotary with an effective radius.
 pub fn chain(most: usize) -> impl Strategy<Value = Chain> {
     (2..=6usize, prop_oneof![Just(0.0), 5.0..200.0f64]).prop_flat_map(move |(axes, radius)| {
-        prop::collection::vec(element(axes), 1..most).prop_map(move |elements| Chain::new(axes, radius, &elements))
+        let elements = prop::collection::vec(element(axes, shape(axes)), 1..most);
+        elements.prop_map(move |elements| Chain::new(axes, radius, &elements))
     })
+}
+
+/// Chains in 3 axes that have 3-D circles, too. (Those are not under look-ahead.)
+pub fn chain_in_space(most: usize) -> impl Strategy<Value = Chain> {
+    let element = element(3, prop_oneof![shape(3), shape_in_space()]);
+    (prop::collection::vec(element, 1..most), prop_oneof![Just(0.0), 5.0..200.0f64])
+        .prop_map(|(elements, radius)| Chain::new(3, radius, &elements))
 }
 
 impl Chain {
@@ -210,11 +235,20 @@ impl Chain {
         let order = &element.order;
         let machine = |p: &[f64]| -> Vector { order.iter().map(|&a| p[a] / self.scale[a]).collect() };
         let (targets, center) = (machine(&curve.at(1.0)), machine(&curve.center));
+        let tvl = if element.goes_on && n + 1 < self.placed.len() { element.vl } else { 0.0 };
         let (kind, phi) = match &element.shape {
+            Shape::Space { normal, phi, beside, .. } => {
+                let scale = |i: usize| self.scale[order[i]];
+                let center = std::array::from_fn(|i| center[i] + beside * normal[i] / scale(i));
+                let &Element { vl, ac, .. } = element;
+                let axes = &AxisList::new(order);
+                let circle =
+                    Circle3d { axes, relative: false, center, normal: *normal, phi: *phi, vl, ac, tvl, line: 1 };
+                return m.spool_3d(&circle);
+            }
             Shape::Line { .. } => (MoveKind::Smla, 0.0),
             Shape::Arc { phi, .. } => (MoveKind::Smha, *phi),
         };
-        let tvl = if element.goes_on && n + 1 < self.placed.len() { element.vl } else { 0.0 };
         let v = [element.vl, element.ac, tvl];
         spool(m, kind, &AxisList::new(order), &targets, [center[0], center[1]], phi, v)
     }
@@ -258,6 +292,19 @@ impl Chain {
     }
 }
 
+/// A turn about `normal` in three axes: the way to the centre, and the unit tangent at its start.
+fn about(normal: &[f64; 3], towards: f64, radius: f64) -> ([f64; 3], [f64; 3]) {
+    let cross =
+        |a: &[f64], b: &[f64]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let unit = |a: &[f64]| -> [f64; 3] { std::array::from_fn(|i| a[i] / norm(a)) };
+    let n = unit(normal);
+    let least = (0..3).min_by(|i, j| n[*i].abs().total_cmp(&n[*j].abs())).expect("three");
+    let u = unit(&cross(&n, &std::array::from_fn::<f64, 3, _>(|i| f64::from(u8::from(i == least)))));
+    let v = cross(&n, &u);
+    let to_center = std::array::from_fn(|i| radius * (towards.cos() * u[i] + towards.sin() * v[i]));
+    (to_center, unit(&cross(&to_center, &n)))
+}
+
 impl Element {
     /// The curve from `start`; `before` is the unit tangent there (zeros at first).
     fn from(&self, start: &[f64], before: &[f64]) -> Curve {
@@ -267,6 +314,14 @@ impl Element {
                 let smooth = self.smooth && norm(before) > 0.5;
                 let direction = if smooth { plus(before, 0.03, direction) } else { direction.clone() };
                 Curve::line(start, times(self.length / norm(&direction), &direction))
+            }
+            Shape::Space { normal, towards, radius, phi, .. } => {
+                let (way, tangent) = about(normal, *towards, *radius);
+                let (mut to_center, mut along) = (vec![0.0; axes], vec![0.0; axes]);
+                for (i, &a) in self.order.iter().enumerate() {
+                    (to_center[a], along[a]) = (way[i], phi.signum() * tangent[i]);
+                }
+                Curve::turn(start, &to_center, along, phi.abs().to_radians(), vec![0.0; axes])
             }
             Shape::Arc { towards, radius, phi, further } => {
                 let (x, y) = (self.order[0], self.order[1]);
