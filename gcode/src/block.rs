@@ -178,6 +178,11 @@ impl Block {
         let present = (0..26u8).filter(|i| self.mask & letters & 1 << i != 0);
         present.map(|i| (b'A' + i, &self.words[i as usize])).min_by_key(|(_, w)| w.span.start)
     }
+    /// Those of the letters whose number stands without a point.
+    pub fn integer_letters(&self, letters: u32) -> u32 {
+        let present = (0..26u8).filter(|i| self.mask & letters & 1 << i != 0);
+        present.filter(|i| self.words[*i as usize].integer_form).fold(0, |all, i| all | 1 << i)
+    }
     #[inline]
     pub fn put(&mut self, letter: u8, word: Word) {
         self.words[letter_index(letter)] = word;

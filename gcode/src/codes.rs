@@ -22,6 +22,8 @@ pub enum Group {
     Mirror,
     Rotation,
     Cylinder,
+    /// Calls a subprogram of the machine file (`[[gcode.g]]`).
+    Call,
     /// Accepted in any number, nothing happens.
     Nothing,
 }
@@ -49,6 +51,7 @@ impl Group {
             Group::Mirror => "mirror",
             Group::Rotation => "rotation",
             Group::Cylinder => "cylinder",
+            Group::Call => "call",
             Group::Nothing => "none",
         }
     }
@@ -98,7 +101,7 @@ pub const G_CODES: &[(u16, Group, Decision)] = &[
     (280, OneShot, Yes),
     (300, OneShot, Yes),
     (310, Motion, Refused(Id::GC307)),
-    (330, Motion, Refused(Id::GC308)),
+    (330, Motion, Yes),
     (340, Motion, Refused(Id::GC308)),
     (350, Motion, Refused(Id::GC308)),
     (380, Motion, Refused(Id::GC307)),
@@ -148,7 +151,7 @@ pub const G_CODES: &[(u16, Group, Decision)] = &[
     (810, Motion, Yes),
     (820, Motion, Yes),
     (830, Motion, Yes),
-    (840, Motion, Refused(Id::GC308)),
+    (840, Motion, Yes),
     (850, Motion, Yes),
     (860, Motion, Yes),
     (870, Motion, Refused(Id::GC320)),

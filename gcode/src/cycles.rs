@@ -9,11 +9,11 @@ use crate::translate::{Target, Translator};
 
 /// One repetition of a cycle, in program coordinates of the drilling axis.
 #[derive(Clone, Copy, Debug)]
-struct Hole {
+pub(crate) struct Hole {
     slot: usize,
-    bottom: f64,
-    retract: f64,
-    words: CycleWords,
+    pub bottom: f64,
+    pub retract: f64,
+    pub words: CycleWords,
 }
 
 impl Translator<'_> {
@@ -30,6 +30,9 @@ impl Translator<'_> {
         }
         if let Some((_, word)) = block.first_of(mask("ABC")) {
             return Err(Fault::new(Id::GC324, word.span));
+        }
+        if code == 840 {
+            self.check_tapping(block)?;
         }
         let slot = self.group.slot(normal).ok_or_else(|| Fault::with(Id::GC801, span, &[&char::from(normal)]))?;
         let words = self.cycle_words(block, code, slot, normal)?;
@@ -110,6 +113,9 @@ impl Translator<'_> {
     }
     /// The way down.
     fn drill(&mut self, block: &Block, code: u16, hole: &Hole) -> Check<()> {
+        if code == 840 {
+            return self.tap(block, hole);
+        }
         let clearance = self.dialect.peck_clearance;
         if let (Some(peck), 730 | 830) = (hole.words.peck, code) {
             let mut level = hole.retract;
@@ -141,11 +147,15 @@ impl Translator<'_> {
         Ok(())
     }
     /// A move of the drilling axis alone.
-    fn depth(&mut self, block: &Block, hole: &Hole, level: f64, rapid: bool) -> Check<()> {
+    pub(crate) fn depth(&mut self, block: &Block, hole: &Hole, level: f64, rapid: bool) -> Check<()> {
+        let target = self.level(block, hole, level);
+        self.line_to(block, &target, rapid)
+    }
+    pub(crate) fn level(&mut self, block: &Block, hole: &Hole, level: f64) -> Target {
         let mut target = Target { program: self.state.program, machine: self.state.machine, named: 1 << hole.slot };
         target.program[hole.slot] = level;
         target.machine = self.state.frame.to_machine(&target.program);
         self.check_limits(block, &target.machine);
-        self.line_to(block, &target, rapid)
+        target
     }
 }

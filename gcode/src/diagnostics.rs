@@ -127,6 +127,10 @@ impl Reports {
         self.errors += 1;
         self.list.push(resolve(place, fault.id, fault.span, fault.message.clone()));
     }
+    /// Further warnings are kept, not only counted.
+    pub fn keeps_warnings(&self) -> bool {
+        self.warnings < MAX_WARNINGS
+    }
     pub fn has_errors(&self) -> bool {
         self.errors > 0
     }

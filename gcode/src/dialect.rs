@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use crate::codes::{Decision, GCode, Group, g_code};
+use crate::diagnostics::Id;
 pub use motion_kernel::machine::ArcCentre;
 use motion_kernel::machine::{DwellUnit, Machine, Profile};
 
@@ -76,6 +78,26 @@ pub struct Dialect {
     pub rigid_m29: bool,
     /// Cycles are a group beside the motions: G80 brings back the motion from before.
     pub cycles_apart: bool,
+    /// M02, M30 in a subprogram are errors.
+    pub strict_end: bool,
+    /// M06 needs a T word.
+    pub m6_needs_t: bool,
+    /// Rapids join with their neighbours.
+    pub rapid_blend: bool,
+    /// How often M99 starts the main program again.
+    pub main_loop: u32,
+    pub thread_as_feed: bool,
+    pub tapping_floating: bool,
+    /// E is the feed at the end of the block.
+    pub end_feed: bool,
+    pub g07_g08: bool,
+    pub g_system_a: bool,
+    pub radius_correction: bool,
+    pub exact_in_position: bool,
+    /// Difference within which EQ and NE hold.
+    pub equal_tolerance: f64,
+    /// The machine file has G functions of its own.
+    pub calls_by_g: bool,
 }
 
 impl Dialect {
@@ -103,6 +125,38 @@ impl Dialect {
             d_is_radius: own.d_is_radius.unwrap_or(false),
             rigid_m29: profile == Profile::Fanuc,
             cycles_apart: profile == Profile::Fanuc,
+            strict_end: own.strict_end.unwrap_or(false),
+            m6_needs_t: own.m6_needs_t.unwrap_or(false),
+            rapid_blend: own.rapid_blend.unwrap_or(false),
+            main_loop: own.main_loop.unwrap_or(0),
+            thread_as_feed: own.thread_as_feed.unwrap_or(false),
+            tapping_floating: own.tapping_floating.unwrap_or(false),
+            end_feed: own.end_feed.unwrap_or(false),
+            g07_g08: own.g07_g08.unwrap_or(false),
+            g_system_a: own.g_system_a.unwrap_or(false),
+            radius_correction: own.radius_correction.unwrap_or(true),
+            exact_in_position: own.exact_in_position.unwrap_or(false),
+            equal_tolerance: own.equal_tolerance.unwrap_or(0.0),
+            calls_by_g: !machine.gcode.g_functions.is_empty(),
+        }
+    }
+}
+
+impl Dialect {
+    /// A G code as the machine's options have it.
+    #[inline]
+    pub fn code(&self, tenths: u16) -> GCode {
+        if tenths <= 30 || !(self.g_system_a || self.g07_g08 || self.calls_by_g) {
+            return g_code(tenths);
+        }
+        let yes = |group| GCode { tenths, group, decision: Decision::Yes };
+        match tenths {
+            980 if self.g_system_a => g_code(940),
+            990 if self.g_system_a => g_code(950),
+            900 | 920 | 940 if self.g_system_a => GCode { decision: Decision::Refused(Id::GC317), ..g_code(tenths) },
+            70 | 80 if self.g07_g08 => yes(Group::Nothing),
+            _ if self.calls_by_g && tenths >= 1000 && tenths != 1070 && tenths.is_multiple_of(10) => yes(Group::Call),
+            _ => g_code(tenths),
         }
     }
 }

@@ -13,6 +13,8 @@ pub struct Environment<'a> {
     pub angle_names: bool,
     /// Nothing is executed: values are unknown, so only the form is checked.
     pub dry: bool,
+    /// Difference within which EQ and NE hold.
+    pub equal: f64,
 }
 
 /// Reader of one line: position and what was found on the way.
@@ -207,8 +209,8 @@ impl<'a, 'e> Reader<'a, 'e> {
                 return Err(Fault::with(Id::GC711, span, &[&b, &"**"]));
             }
             Op::Power => a.powf(b),
-            Op::Eq => truth(a == b),
-            Op::Ne => truth(a != b),
+            Op::Eq => truth((a - b).abs() <= self.env.equal),
+            Op::Ne => truth((a - b).abs() > self.env.equal),
             Op::Gt => truth(a > b),
             Op::Ge => truth(a >= b),
             Op::Lt => truth(a < b),

@@ -16,18 +16,20 @@ pub struct Lengths {
     pub feed: f64,
     /// No linear axis moves.
     pub rotary_only: bool,
+    /// Only axes move that do not count for the path (NFRAX).
+    pub without_feed: bool,
 }
 
 impl Lengths {
     pub fn of(group: &ContourGroup, from: &Point, to: &Point, circle: Option<&Circle>) -> Self {
-        let (mut linear, mut rotary, mut degrees) = (0.0, 0.0, 0.0);
+        let (mut linear, mut rotary, mut degrees, mut uncounted) = (0.0, 0.0, 0.0, 0.0);
         for (slot, axis) in group.axes.iter().enumerate() {
             if circle.is_some_and(|c| c.slots.contains(&slot)) {
                 continue;
             }
             let d = to[slot] - from[slot];
             if axis.rotary && !axis.on_surface {
-                rotary += (d * axis.metric).powi(2);
+                *(if axis.counts { &mut rotary } else { &mut uncounted }) += (d * axis.metric).powi(2);
                 degrees += d * d;
             } else {
                 linear += (d * axis.metric).powi(2);
@@ -38,7 +40,10 @@ impl Lengths {
         }
         let rotary_only = linear == 0.0;
         let feed = if rotary_only { degrees } else { linear };
-        Lengths { path: (linear + rotary).sqrt(), feed: feed.sqrt(), rotary_only }
+        let counted = linear + rotary;
+        let without_feed = counted == 0.0 && uncounted > 0.0;
+        let path = if without_feed { uncounted } else { counted };
+        Lengths { path: path.sqrt(), feed: feed.sqrt(), rotary_only, without_feed }
     }
 }
 
@@ -61,6 +66,9 @@ impl Translator<'_> {
 
     /// Path speed in mm/s at factor 1.
     pub(crate) fn path_speed(&mut self, block: &Block, lengths: &Lengths) -> Check<f64> {
+        if lengths.without_feed {
+            return Err(Fault::new(Id::GC804, block.span));
+        }
         let modal = &self.state.modal;
         if modal.feed_mode == FeedMode::InverseTime && !block.has(b'F') {
             return Err(Fault::new(Id::GC502, block.span));
@@ -81,27 +89,24 @@ impl Translator<'_> {
         Ok(speed)
     }
     #[cold]
-    fn limited(&mut self, block: &Block, value: f64, speed: f64, limit: f64) {
+    pub(crate) fn limited(&mut self, block: &Block, value: f64, speed: f64, limit: f64) {
         if self.limited_feed != Some(value) {
             self.limited_feed = Some(value);
             let shown = format!("{:.3}", speed * 60.0);
             self.faults.push(Fault::with(Id::GW925, block.span_of(b'F'), &[&shown, &(limit * 60.0)]));
         }
     }
+}
 
-    /// Spindle speed in 1/min, for feed per revolution.
-    fn revolutions(&self, block: &Block) -> Check<f64> {
-        let modal = &self.state.modal;
-        let unknown = || Fault::new(Id::GC505, block.span);
-        let speed = modal.speed.filter(|s| *s > 0.0).ok_or_else(unknown)?;
-        if !modal.cutting_speed {
-            return Ok(modal.speed_limit.map_or(speed, |limit| speed.min(limit)));
+impl Translator<'_> {
+    /// E: the path speed at the end of the block, where the machine file enables it (section 4).
+    pub(crate) fn end_speed(&mut self, block: &Block, vl: f64) -> Check<f64> {
+        let Some(word) = block.word(b'E').filter(|_| self.dialect.end_feed) else { return Ok(f64::INFINITY) };
+        self.used |= crate::block::bit(b'E');
+        if word.value <= 0.0 {
+            return Err(Fault::new(Id::GC504, word.span));
         }
-        let limit = modal.speed_limit.ok_or_else(|| Fault::new(Id::GC503, block.span))?;
-        let slot = self.group.slot(b'X').ok_or_else(unknown)?;
-        let radius = 0.5 * (self.state.program[slot] + self.target_program[slot]);
-        let diameter = (2.0 * radius.abs()).max(0.1);
-        let metres = if modal.inch { speed * 0.3048 } else { speed };
-        Ok(limit.min(1000.0 * metres / (std::f64::consts::PI * diameter)))
+        // the same unit and the same lengths as F
+        Ok(self.state.modal.feed.map_or(vl, |feed| vl * (word.value / feed.raw)))
     }
 }

@@ -137,6 +137,13 @@ impl<'s> Flows<'s> {
         }
         first
     }
+    /// Place of the present line.
+    pub fn here(&self) -> Mark {
+        self.current
+    }
+    pub fn main_source(&self) -> &'s [u8] {
+        self.sources[0].1
+    }
     pub fn starts_subprogram(&self, name: &[u8]) -> bool {
         subprogram_name(name).is_some()
     }

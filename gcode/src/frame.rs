@@ -60,12 +60,14 @@ pub struct Frame {
     pub rotation: Option<Rotation>,
     /// Tool length and the slot it acts on.
     pub length: Option<(usize, f64)>,
+    /// From program to machine (resources 17 and 18); 1 where the axis is not mirrored.
+    pub factor: Point,
     shift: Point,
     plain: bool,
 }
 
 impl Frame {
-    pub fn new(work: [Point; 6]) -> Self {
+    pub fn new(work: [Point; 6], factor: Point) -> Self {
         let mut frame = Frame {
             work,
             extra: BTreeMap::new(),
@@ -77,6 +79,7 @@ impl Frame {
             mirror: [None; SLOTS],
             rotation: None,
             length: None,
+            factor,
             shift: [0.0; SLOTS],
             plain: true,
         };
@@ -94,12 +97,13 @@ impl Frame {
     pub fn refresh(&mut self) {
         let zero = self.offset(self.zero);
         for slot in 0..SLOTS {
-            self.shift[slot] = zero[slot] + self.g52[slot] + self.g92[slot];
+            self.shift[slot] = zero[slot] + self.factor[slot] * (self.g52[slot] + self.g92[slot]);
         }
         if let Some((slot, length)) = self.length {
             self.shift[slot] += length;
         }
-        self.plain = self.scale.is_none() && self.rotation.is_none() && self.mirror.iter().all(Option::is_none);
+        let own = self.scale.is_none() && self.rotation.is_none() && self.mirror.iter().all(Option::is_none);
+        self.plain = own && self.factor == [1.0; SLOTS];
     }
     /// No scaling, mirror or rotation: every axis stands for itself.
     #[inline]
@@ -121,14 +125,14 @@ impl Frame {
             r.turn(&mut p, r.sin);
         }
         for slot in 0..SLOTS {
-            p[slot] = self.mirrored(slot, p[slot]) + self.shift[slot];
+            p[slot] = self.factor[slot] * self.mirrored(slot, p[slot]) + self.shift[slot];
         }
         p
     }
     pub fn to_program(&self, machine: &Point) -> Point {
         let mut p = *machine;
         for slot in 0..SLOTS {
-            p[slot] = self.mirrored(slot, p[slot] - self.shift[slot]);
+            p[slot] = self.mirrored(slot, (p[slot] - self.shift[slot]) / self.factor[slot]);
         }
         if let Some(r) = &self.rotation {
             r.turn(&mut p, -r.sin);
@@ -145,7 +149,7 @@ impl Frame {
     }
     /// True if circles in that plane turn the other way; `None` if they become ellipses.
     pub fn reverses(&self, [a, b]: [usize; 2]) -> Option<bool> {
-        let factor = |slot: usize| self.scale.map_or(1.0, |s| s.factor[slot]);
+        let factor = |slot: usize| self.scale.map_or(1.0, |s| s.factor[slot]) * self.factor[slot];
         if (factor(a).abs() - factor(b).abs()).abs() > 1e-12 * factor(a).abs() {
             return None;
         }
@@ -162,9 +166,9 @@ mod tests {
     proptest! {
         #[test]
         fn back_and_forth_is_the_same_point(
-            p in prop::array::uniform9(-100.0..100.0f64), factor in 0.1..5.0f64, angle in -400.0..400.0f64, m in -9.0..9.0f64,
+            p in prop::array::uniform10(-100.0..100.0f64), factor in 0.1..5.0f64, angle in -400.0..400.0f64, m in -9.0..9.0f64,
         ) {
-            let mut frame = Frame::new([[3.0; SLOTS]; 6]);
+            let mut frame = Frame::new([[3.0; SLOTS]; 6], [-2.0; SLOTS]);
             frame.scale = Some(Scale { centre: [1.0; SLOTS], factor: [-factor; SLOTS] });
             frame.rotation = Some(Rotation::new([0, 1], [2.0, -5.0], angle));
             frame.mirror[1] = Some(m);

@@ -5,8 +5,8 @@ use motion_kernel::machine::{AxisKind, Machine};
 
 use crate::block::letter_index;
 
-/// Address letters of axes: X Y Z A B C U V W.
-pub const SLOTS: usize = 9;
+/// Address letters of axes (X Y Z A B C U V W) and the spindle axis.
+pub const SLOTS: usize = 10;
 
 /// One value per slot of the group; mm or degrees.
 pub type Point = [f64; SLOTS];
@@ -25,37 +25,56 @@ pub struct GroupAxis {
     pub effradius: f64,
     /// Cylinder mode (G07.1): the axis counts as a linear one of radius times angle.
     pub on_surface: bool,
+    /// Counts for the path length (no NFRAX axis).
+    pub counts: bool,
+    /// G00 takes the short way.
+    pub modulo: bool,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContourGroup {
     pub axes: Vec<GroupAxis>,
     pub start: Point,
+    /// Slot of the axis that cuts threads; it has no letter.
+    pub spindle: Option<usize>,
     slot: [Option<u8>; 26],
 }
 
 impl ContourGroup {
     pub fn new(machine: &Machine) -> Self {
-        let mut group = ContourGroup { axes: Vec::new(), start: [0.0; SLOTS], slot: [None; 26] };
+        let mut group = ContourGroup { axes: Vec::new(), start: [0.0; SLOTS], spindle: None, slot: [None; 26] };
         for (index, axis) in machine.axes.iter().enumerate() {
             let Some(letter) = axis.letter.filter(|l| "XYZABCUVW".contains(*l)) else { continue };
-            let letter = letter as u8;
-            let rotary = axis.kind == AxisKind::Rotary;
-            group.slot[letter_index(letter)] = Some(group.axes.len() as u8);
-            group.start[group.axes.len()] = axis.start;
-            group.axes.push(GroupAxis {
-                axis: index,
-                letter,
-                rotary,
-                rapid: axis.rapid,
-                limits: axis.limits.map(|l| (l.left, l.right)),
-                reference: axis.reference,
-                metric: if rotary { axis.effradius.to_radians() } else { 1.0 },
-                effradius: axis.effradius,
-                on_surface: false,
-            });
+            group.slot[letter_index(letter as u8)] = Some(group.axes.len() as u8);
+            group.push(machine, index, letter as u8);
+        }
+        if let Some(index) = machine.gcode.spindle.axis.filter(|_| !group.is_empty()) {
+            group.spindle = Some(group.axes.len());
+            group.push(machine, index, b'S');
         }
         group
+    }
+    fn push(&mut self, machine: &Machine, index: usize, letter: u8) {
+        let axis = &machine.axes[index];
+        let rotary = axis.kind == AxisKind::Rotary;
+        self.start[self.axes.len()] = axis.start;
+        self.axes.push(GroupAxis {
+            axis: index,
+            letter,
+            rotary,
+            rapid: axis.rapid,
+            limits: axis.limits.map(|l| (l.left, l.right)),
+            reference: axis.reference,
+            metric: if rotary { axis.effradius.to_radians() } else { 1.0 },
+            effradius: axis.effradius,
+            on_surface: false,
+            counts: !machine.gcode.nfrax.contains(&index),
+            modulo: rotary && axis.modulo,
+        });
+    }
+    /// Bits of the slots that programs name by a letter.
+    pub fn lettered(&self) -> u32 {
+        (1 << self.spindle.unwrap_or(self.axes.len())) - 1
     }
     pub fn len(&self) -> usize {
         self.axes.len()
@@ -83,9 +102,13 @@ impl ContourGroup {
         });
         speeds.fold(f64::INFINITY, f64::min)
     }
-    /// Path length of a straight move (design D7).
+    /// Path length of a straight move (design D7), without the NFRAX axes unless nothing else moves.
     pub fn distance(&self, from: &Point, to: &Point) -> f64 {
-        let squares = self.axes.iter().zip(from.iter().zip(to)).map(|(a, (f, t))| ((t - f) * a.metric).powi(2));
-        squares.sum::<f64>().sqrt()
+        let (mut feed, mut rest) = (0.0, 0.0);
+        for (axis, (from, to)) in self.axes.iter().zip(from.iter().zip(to)) {
+            let square = ((to - from) * axis.metric).powi(2);
+            *(if axis.counts { &mut feed } else { &mut rest }) += square;
+        }
+        if feed > 0.0 { feed.sqrt() } else { rest.sqrt() }
     }
 }

@@ -2,9 +2,8 @@
 
 use motion_kernel::autocode::Instr;
 use motion_kernel::axes::AxisSet;
-use motion_kernel::registers::ModeReg;
 
-use crate::block::{AXIS_LETTERS, Block, GWord, Item, Statement, bit, mask};
+use crate::block::{AXIS_LETTERS, Block, GWord, bit, mask};
 use crate::codes::{Group, number};
 use crate::diagnostics::{Check, Fault, Id, Span};
 use crate::dialect::Dialect;
@@ -22,6 +21,8 @@ pub mod spool {
     pub const WAIT_INPUTS: u16 = 1004;
     /// Wait until the application clears CI99.
     pub const WAIT_HOST: u16 = 1025;
+    /// Motor command port of axis 0; the others follow.
+    pub const MOTOR_COMMAND: u16 = 1200;
     pub const WRITE_CD: u16 = 20000;
 }
 
@@ -77,44 +78,15 @@ impl Translator<'_> {
         }
     }
 
-    /// Step 5: G96, G97, then S.
-    pub(crate) fn spindle_speed(&mut self, block: &Block, owner: Option<&GWord>) -> Check<()> {
-        self.used |= bit(b'S');
-        if let Some(g) = block.code_of(Group::SpindleMode) {
-            let cutting = g.code.tenths == 960;
-            if cutting && self.state.modal.speed_limit.is_none() {
-                return Err(Fault::new(Id::GC503, g.span));
-            }
-            self.state.modal.cutting_speed = cutting;
-        }
-        let Some(word) = block.word(b'S') else { return Ok(()) };
-        let limits = owner.is_some_and(|o| o.code.tenths == 920) || block.g(500).is_some();
-        if limits {
-            self.state.modal.speed_limit = Some(word.value);
-            return Ok(());
-        }
-        if block.m(19).is_some() {
-            return Ok(());
-        }
-        if self.state.modal.speed != Some(word.value) {
-            self.state.modal.speed = Some(word.value);
-            self.sink.ssf(
-                self.line,
-                self.first(),
-                spool::WRITE_CD + self.machine.gcode.speed_cd as u16,
-                word.value,
-                false,
-            );
-        }
-        Ok(())
-    }
-
     /// Steps 6 to 9: T, M06, gear, spindle start, coolant on, clamps.
     pub(crate) fn tool_and_outputs_before(&mut self, block: &Block) -> Check<()> {
         self.used |= mask("TD");
         if let Some(word) = block.word(b'T') {
             let number = word.value as u32;
-            self.state.modal.tool = if self.dialect.lathe && number >= 100 { number / 100 } else { number };
+            let split = self.dialect.lathe && number >= 100;
+            self.state.modal.tool = if split { number / 100 } else { number };
+            self.state.modal.tool_offset = split.then_some(number % 100);
+            self.state.modal.tool_named = true;
             self.sink.event(self.line, "T", &number.to_string());
         }
         if block.has(b'H') && block.code_of(Group::LengthCorrection).is_none() {
@@ -123,16 +95,27 @@ impl Translator<'_> {
             self.sink.ssf(self.line, self.first(), self.machine.gcode.auxiliary_ci as u16, value, false);
         }
         if let Some(m) = block.m(6) {
-            self.tool_change(m.span);
+            self.tool_change(m.span)?;
+        }
+        let turns = [3, 4, 13, 14].iter().any(|m| block.m(*m).is_some());
+        if turns {
+            self.end_thread();
         }
         let mut outputs = Outputs::default();
         for m in &block.m {
             self.function_before(block, m.number, m.span, &mut outputs)?;
         }
         self.put_out(outputs);
+        if turns {
+            self.direction_changed();
+            self.run_up();
+        }
         Ok(())
     }
-    fn tool_change(&mut self, span: Span) {
+    fn tool_change(&mut self, span: Span) -> Check<()> {
+        if self.dialect.m6_needs_t && !std::mem::take(&mut self.state.modal.tool_named) {
+            return Err(Fault::new(Id::GC516, span));
+        }
         let tool = self.state.modal.tool;
         self.state.modal.in_spindle = tool;
         self.facts.tools.push(tool);
@@ -140,6 +123,7 @@ impl Translator<'_> {
             self.faults.push(Fault::with(Id::GW935, span, &[&tool]));
         }
         self.host_wait("M06", &tool.to_string());
+        Ok(())
     }
     fn function_before(&mut self, block: &Block, m: u16, span: Span, outputs: &mut Outputs) -> Check<()> {
         let modal = &mut self.state.modal;
@@ -235,16 +219,20 @@ impl Translator<'_> {
     /// Step 10: G04.
     pub(crate) fn dwell(&mut self, block: &Block) -> Check<()> {
         let Some(g) = block.g(40).copied() else { return Ok(()) };
-        let times = mask("XUFP");
+        let times = mask("XUFPS");
         self.used |= times;
         let mut found = None;
-        for letter in *b"XUFP" {
+        for letter in *b"XUFPS" {
             if let Some(word) = block.word(letter) {
                 if found.is_some() {
                     let (_, last) = block.first_of(bit(letter)).expect("the word is there");
                     return Err(Fault::new(Id::GC508, last.span));
                 }
-                let seconds = dwell_seconds(&self.dialect, letter, word.value, word.integer_form);
+                let seconds = if letter == b'S' {
+                    word.value * 60.0 / self.revolutions(block)?
+                } else {
+                    dwell_seconds(&self.dialect, letter, word.value, word.integer_form)
+                };
                 found = Some((seconds, word.span));
             }
         }
@@ -275,6 +263,7 @@ impl Translator<'_> {
         let (mut outputs, lines) = (Outputs::default(), self.machine.gcode.outputs);
         if block.m(5).is_some() {
             self.state.modal.spindle = 5;
+            self.direction_changed();
             outputs.put(0, lines.spindle_cw | lines.spindle_ccw);
         }
         if block.m(9).is_some() {
@@ -306,7 +295,7 @@ impl Translator<'_> {
         }
         Ok(Flow::Next)
     }
-    fn operator_stop(&mut self, m: u16) {
+    pub(crate) fn operator_stop(&mut self, m: u16) {
         self.sink.stop();
         self.sink.event(self.line, &format!("M{m:02}"), "");
         self.wait(spool::HALT, 0.0);
@@ -341,15 +330,22 @@ impl Translator<'_> {
     }
     /// `G65 P<n> [L] A.. B..`: a call with a set of #1..#33 of its own.
     pub(crate) fn macro_call(&mut self, block: &Block, g: &GWord) -> Check<Flow> {
-        if !self.dialect.macros {
+        let mapped = self.machine.gcode.g_functions.iter().find(|f| f.0 == g.code.tenths);
+        if g.code.group == Group::Call && mapped.is_none() {
+            return Err(Fault::with(Id::GC305, g.span, &[&number(g.code.tenths)]));
+        }
+        if mapped.is_none() && !self.dialect.macros {
             return Err(Fault::with(Id::GC305, g.span, &[&"65"]));
         }
-        if let Some(other) = block.g.iter().find(|w| w.code.tenths != 650) {
+        if let Some(other) = block.g.iter().find(|w| w.code.tenths != g.code.tenths) {
             let (one, two) = (number(other.code.tenths), number(g.code.tenths));
             return Err(Fault::with(Id::GC303, other.span, &[&format!("G{two}"), &format!("G{one}")]));
         }
         self.used = u32::MAX;
-        let p = block.whole(b'P')?.ok_or_else(|| Fault::new(Id::GC612, g.span))?;
+        let name = match mapped {
+            Some((_, name)) => name.clone(),
+            None => block.whole(b'P')?.ok_or_else(|| Fault::new(Id::GC612, g.span))?.to_string(),
+        };
         let mut arguments: Vec<(usize, f64)> =
             MACRO_ARGUMENTS.iter().filter_map(|(letter, n)| block.value(*letter).map(|v| (*n, v))).collect();
         if let Some(m) = block.m.first() {
@@ -359,7 +355,7 @@ impl Translator<'_> {
         if count > 9999 {
             return Err(Fault::with(Id::GC616, block.span_of(b'L'), &[&count]));
         }
-        Ok(Flow::Call(Call { name: p.to_string(), count, arguments: Some(arguments), span: g.span }))
+        Ok(Flow::Call(Call { name, count, arguments: Some(arguments), span: g.span }))
     }
     fn counted(&mut self, block: &Block, name: String, count: u32, span: Span) -> Check<Call> {
         if count > 9999 {
@@ -379,7 +375,10 @@ impl Translator<'_> {
         if let Err(fault) = self.sink.close_correction(Span::new(0, 1)) {
             self.faults.push(fault);
         }
+        self.end_thread();
         self.sink.stop();
+        self.state.modal.spindle = 5;
+        self.direction_changed();
         let lines = self.machine.gcode.outputs;
         let reset = lines.spindle_cw | lines.spindle_ccw | lines.coolant1 | lines.coolant2;
         self.put_out(Outputs { set: 0, reset });
@@ -412,38 +411,6 @@ impl Translator<'_> {
             self.sink.event(self.line, kind, &format!("{} {text}", number_text(a.value)));
             self.wait(spool::HALT, 0.0);
         }
-    }
-    /// `write` and `writeln`: the task puts out the text when the motion before it is done.
-    pub fn write(&mut self, statement: &Statement) {
-        let Statement::Write { items, line } = statement else { return };
-        self.drain();
-        for item in items {
-            let load = match item {
-                Item::Common(Variable::Ci(n)) => Instr::LoadCi(*n),
-                Item::Common(Variable::Cd(n)) => Instr::LoadCd(*n),
-                Item::Text(text) => {
-                    self.put_text(text);
-                    continue;
-                }
-                Item::Value(value) => {
-                    self.put_text(&number_text(*value));
-                    continue;
-                }
-                Item::Common(_) => continue,
-            };
-            self.sink.instr(self.line, load);
-            self.sink.instr(self.line, Instr::WriteValue);
-        }
-        if *line {
-            self.sink.instr(self.line, Instr::Writeln);
-            if self.machine.gcode.modereg & ModeReg::StopAtWriteln.0 != 0 {
-                self.operator_stop(0);
-            }
-        }
-    }
-    fn put_text(&mut self, text: &str) {
-        let number = self.sink.text(text);
-        self.sink.instr(self.line, Instr::WriteText(number));
     }
 }
 

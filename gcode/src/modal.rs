@@ -1,5 +1,8 @@
 //! Modal state of a program (docs/dialect.md, section 5). A block is resolved against a copy; only a good block is kept.
 
+use motion_kernel::machine::Machine;
+
+use crate::dialect::Dialect;
 use crate::frame::{Frame, Zero};
 use crate::group::{ContourGroup, Point};
 
@@ -9,6 +12,8 @@ pub enum MotionMode {
     Line,
     Clockwise,
     CounterClockwise,
+    /// G33
+    Thread,
     /// A canned cycle, its G code in tenths.
     Cycle(u16),
     /// G80
@@ -23,6 +28,7 @@ impl MotionMode {
             MotionMode::Line => 10,
             MotionMode::Clockwise => 20,
             MotionMode::CounterClockwise => 30,
+            MotionMode::Thread => 330,
             MotionMode::Cycle(code) => code,
             MotionMode::None => 800,
         }
@@ -122,33 +128,45 @@ pub struct Modal {
     /// Preselected tool, and the one in the spindle.
     pub tool: u32,
     pub in_spindle: u32,
+    /// Correction number of the lathe's T word, for G41 to G44 without D or H.
+    pub tool_offset: Option<u32>,
+    /// A T word since the last M06.
+    pub tool_named: bool,
+    /// X words are diameters.
+    pub diameter: bool,
+    /// Slot and lead of G33, mm.
+    pub lead: Option<(usize, f64)>,
     /// G07.1: slot of the rotary axis and radius of the surface, mm.
     pub cylinder: Option<(usize, f64)>,
 }
 
 impl Modal {
-    pub fn reset(lathe: bool, tolerance: f64) -> Self {
+    pub fn reset(dialect: &Dialect, machine: &Machine) -> Self {
         Modal {
             motion: MotionMode::Rapid,
             simple_motion: MotionMode::Rapid,
-            plane: if lathe { Plane::Zx } else { Plane::Xy },
+            plane: if dialect.lathe { Plane::Zx } else { Plane::Xy },
             incremental: false,
             centre_absolute: None,
             feed_mode: FeedMode::PerMinute,
             inch: false,
             correction: 40,
             exact: false,
-            tolerance,
+            tolerance: machine.gcode.merge_tolerance,
             return_to_r: false,
             feed: None,
             cutting_speed: false,
             speed: None,
-            speed_limit: None,
+            speed_limit: Some(machine.gcode.spindle.limit).filter(|limit| *limit > 0.0),
             spindle: 5,
             coolant: [false; 2],
             override_on: true,
             tool: 0,
             in_spindle: 0,
+            tool_offset: None,
+            tool_named: false,
+            diameter: dialect.diameter,
+            lead: None,
             cylinder: None,
         }
     }

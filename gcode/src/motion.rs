@@ -13,7 +13,7 @@ use crate::sink::{Circle, Motion};
 use crate::translate::{Target, Translator};
 
 /// Shorter moves are no motion: far below a count, far above rounding.
-const NOTHING: f64 = 1e-9;
+pub(crate) const NOTHING: f64 = 1e-9;
 
 impl Translator<'_> {
     /// GC413 for every axis outside its limits; the program is read on as if it had got there.
@@ -46,6 +46,7 @@ impl Translator<'_> {
             20 => MotionMode::Clockwise,
             30 => MotionMode::CounterClockwise,
             800 if self.dialect.cycles_apart => self.state.modal.simple_motion,
+            330 => MotionMode::Thread,
             800 => MotionMode::None,
             code => MotionMode::Cycle(code),
         };
@@ -53,6 +54,8 @@ impl Translator<'_> {
             self.state.modal.simple_motion = mode;
         }
         if mode != self.state.modal.motion {
+            self.end_thread();
+            self.state.modal.lead = None;
             self.state.modal.motion = mode;
             // from cycle to cycle only the initial level stays
             let kept = self.state.cycle.filter(|_| matches!(mode, MotionMode::Cycle(_)));
@@ -77,6 +80,7 @@ impl Translator<'_> {
             {
                 self.circular(block)
             }
+            MotionMode::Thread if axes => self.thread(block),
             MotionMode::Cycle(code) if axes || block.has_group(Group::Motion) => self.cycle(block, code),
             MotionMode::None if axes => Err(Fault::new(Id::GC319, block.span)),
             MotionMode::Rapid => {
@@ -97,7 +101,17 @@ impl Translator<'_> {
     fn straight(&mut self, block: &Block) -> Check<()> {
         let target = self.target(block)?;
         self.check_limits(block, &target.machine);
-        self.line_to(block, &target, self.state.modal.motion == MotionMode::Rapid)
+        let rapid = self.state.modal.motion == MotionMode::Rapid;
+        if self.state.modal.cutting_speed {
+            if !rapid {
+                return self.facing(block, &target);
+            }
+            // the speed is that of the place where the rapid ends
+            let before = std::mem::replace(&mut self.state.program, target.program);
+            self.drive(&target.program);
+            self.state.program = before;
+        }
+        self.line_to(block, &target, rapid)
     }
     /// G53 with axis words: one block in machine coordinates.
     fn machine_coordinates(&mut self, block: &Block, g53: &GWord) -> Check<()> {
@@ -133,6 +147,7 @@ impl Translator<'_> {
             }
             return Ok(());
         }
+        let end_vl = if rapid { f64::INFINITY } else { self.end_speed(block, vl)? };
         let gcode = &self.machine.gcode;
         let (vl, ac) = if rapid {
             (self.group.rapid_speed(&self.state.machine, &target.machine, lengths.path), gcode.trac_rapid)
@@ -142,6 +157,7 @@ impl Translator<'_> {
         self.facts.motion_blocks += 1;
         let motion = Motion {
             line: self.line,
+            span: self.place(block),
             rapid,
             exact: self.state.modal.exact || block.groups & Group::Nothing.bit() != 0 && block.g(90).is_some(),
             target: target.machine,
@@ -149,6 +165,7 @@ impl Translator<'_> {
             length: lengths.path,
             vl,
             ac,
+            end_vl,
             tolerance: self.state.modal.tolerance,
             slack: 0.0,
         };
@@ -257,10 +274,14 @@ impl Translator<'_> {
         self.circle_to(block, &target, circle)
     }
     fn circle_to(&mut self, block: &Block, target: &Target, circle: Circle) -> Check<()> {
+        if self.state.modal.cutting_speed {
+            self.drive(&target.program);
+        }
         let lengths = Lengths::of(&self.group, &self.state.machine, &target.machine, Some(&circle));
         let vl = self.path_speed(block, &lengths)?;
         let mut motion = Motion {
             line: self.line,
+            span: self.place(block),
             rapid: false,
             exact: self.state.modal.exact || block.g(90).is_some(),
             target: target.machine,
@@ -268,6 +289,7 @@ impl Translator<'_> {
             length: lengths.path,
             vl,
             ac: self.machine.gcode.trac_feed,
+            end_vl: self.end_speed(block, vl)?,
             tolerance: self.state.modal.tolerance,
             slack: 0.0,
         };

@@ -60,6 +60,7 @@ impl Translator<'_> {
             280 | 300 => self.reference(block, owner),
             520 => self.local_shift(block, owner),
             920 => self.preset(block, owner),
+            500 if self.dialect.lathe => self.preset(block, owner),
             500 => Err(Fault::new(Id::GC313, owner.span)),
             511 => self.mirror(block, owner),
             680 => self.rotate(block),
@@ -99,8 +100,9 @@ impl Translator<'_> {
             // the shift acts behind rotation and scaling, so the wanted point goes through them first
             let mut wanted = self.state.program;
             wanted[slot] = value;
-            let without = self.state.frame.to_machine(&wanted)[slot] - self.state.frame.g92[slot];
-            self.state.frame.g92[slot] = self.state.machine[slot] - without;
+            let factor = self.state.frame.factor[slot];
+            let without = self.state.frame.to_machine(&wanted)[slot] - factor * self.state.frame.g92[slot];
+            self.state.frame.g92[slot] = (self.state.machine[slot] - without) / factor;
             self.state.reframe();
         }
         Ok(())
@@ -139,7 +141,7 @@ impl Translator<'_> {
             let frame = &mut self.state.frame;
             if kind == 20 {
                 let others = frame.shift()[slot] - frame.offset(frame.zero)[slot];
-                frame.work[set][slot] = self.state.machine[slot] - others - value;
+                frame.work[set][slot] = self.state.machine[slot] - others - frame.factor[slot] * value;
             } else if self.state.modal.incremental {
                 frame.work[set][slot] += value;
             } else {
@@ -176,7 +178,7 @@ impl Translator<'_> {
         } else {
             std::array::from_fn(|s| self.group.axes.get(s).map_or(0.0, |a| a.reference))
         };
-        let mut named = (1u32 << self.group.len()) - 1;
+        let mut named = self.group.lettered();
         if block.has_any(AXIS_LETTERS) {
             let target = self.target(block)?;
             named = target.named;
@@ -228,7 +230,9 @@ impl Translator<'_> {
             let axes =
                 if letter == b'P' { &b"XYZUVW"[..] } else { std::slice::from_ref(&b"XYZ"[usize::from(letter - b'I')]) };
             for slot in axes.iter().filter_map(|l| self.group.slot(*l)) {
-                scale.factor[slot] = word.value;
+                let thousandths =
+                    letter == b'P' && word.integer_form && word.value >= 10.0 && self.dialect.integer_increment > 0.0;
+                scale.factor[slot] = if thousandths { word.value * 1e-3 } else { word.value };
             }
         }
         self.state.frame.scale = Some(scale);

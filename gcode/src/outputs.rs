@@ -47,18 +47,4 @@ impl Translator<'_> {
             }
         }
     }
-    /// G86: the spindle stands on the way out.
-    pub(crate) fn spindle_stop(&mut self) {
-        let lines = self.machine.gcode.outputs;
-        self.put_out(Outputs { set: 0, reset: lines.spindle_cw | lines.spindle_ccw });
-    }
-    pub(crate) fn spindle_again(&mut self) {
-        let (lines, mut outputs) = (self.machine.gcode.outputs, Outputs::default());
-        match self.state.modal.spindle {
-            3 => outputs.turn(lines.spindle_cw, lines.spindle_ccw),
-            4 => outputs.turn(lines.spindle_ccw, lines.spindle_cw),
-            _ => {}
-        }
-        self.put_out(outputs);
-    }
 }

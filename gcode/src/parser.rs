@@ -1,7 +1,7 @@
 //! Text of one line -> [`Block`] (docs/dialect.md, sections 2 to 4). Knows no modal state.
 
 use crate::block::{AXIS_LETTERS, Block, GWord, MWord, Statement, Word, letter_index};
-use crate::codes::{self, Beside, Decision, Group, MGroup, g_code, m_group};
+use crate::codes::{self, Beside, Decision, Group, MGroup, m_group};
 use crate::diagnostics::{Check, Fault, Id, Span, characters};
 use crate::dialect::Dialect;
 use crate::expression::{Environment, Reader};
@@ -313,7 +313,7 @@ impl Parser<'_, '_, '_> {
             self.faults.push(Fault::with(Id::GC217, word.span, &[&word.value]));
             return;
         }
-        let code = g_code(rounded as u16);
+        let code = self.dialect.code(rounded as u16);
         let alone = matches!(code.group, Group::Nothing | Group::OneShot) || !self.block.has_group(code.group);
         if code.decision == Decision::Yes && alone || self.accept_g(code, word.span) {
             self.block.groups |= code.group.bit();

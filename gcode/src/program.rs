@@ -11,7 +11,7 @@ use crate::facts::Facts;
 use crate::flow::{Files, Flows, Turn};
 use crate::parser;
 use crate::seen::Numbers;
-use crate::source::{check_length, check_text};
+use crate::source::{Lines, Mark, check_length, check_text};
 use crate::statements::head_length;
 use crate::translate::{Flow, Translator};
 use crate::variables::Variables;
@@ -88,17 +88,21 @@ pub(crate) struct Run<'t, 'm, 's> {
     commanded: (u64, u64),
     ended: bool,
     any_block: bool,
-    told: Told,
+    pub told: Told,
+    /// Lines already executed, to be read again.
+    pub behind: Option<Lines<'s>>,
+    /// Times that M99 still starts the main program again, from there.
+    main_loop: (u32, Mark),
     last: (u32, Span, &'s [u8]),
     faults: Vec<Fault>,
 }
 
 /// Warnings that are given once.
 #[derive(Default)]
-struct Told {
+pub(crate) struct Told {
     after_tape: bool,
     oword: bool,
-    inch: bool,
+    pub increments: bool,
 }
 
 impl<'t, 'm, 's> Run<'t, 'm, 's> {
@@ -122,6 +126,8 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             ended: false,
             any_block: false,
             told: Told::default(),
+            behind: None,
+            main_loop: (0, Mark::default()),
             last: (1, Span::default(), b" "),
             faults: Vec::new(),
         }
@@ -129,11 +135,8 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
 
     fn run(&mut self) {
         let mut block = Block::default();
-        if self.t.dialect.integer_increment > 0.0 {
-            let increment = self.t.dialect.integer_increment;
-            self.report(1, b" ", &Fault::with(Id::GW904, Span::new(0, 1), &[&increment]));
-        }
         self.skip_leader(&mut block);
+        self.main_loop.0 = self.t.dialect.main_loop;
         while !self.reports.stopped() {
             let Some((line, text)) = self.flows.next_line() else {
                 if self.flows.at_end_of_file(&mut self.variables) {
@@ -179,6 +182,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             system: &system,
             angle_names: self.t.dialect.oword,
             dry: self.mode != Mode::Run || self.is_deleted(text),
+            equal: self.t.dialect.equal_tolerance,
         };
         parser::parse(text, &env, &self.t.dialect, block, &mut self.faults);
     }
@@ -220,6 +224,13 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
     #[inline]
     fn execute(&mut self, line: u32, text: &'s [u8], block: &mut Block) {
         self.t.line = self.flows.source_line(line);
+        self.t.in_main = self.flows.file().0 == 0;
+        if self.main_loop.1 == Mark::default() {
+            self.main_loop.1 = self.flows.here();
+        }
+        if self.t.dialect.integer_increment > 0.0 {
+            self.note_increments(line, text, block);
+        }
         self.last = (line, block.span, text);
         if let Some(n) = block.word(b'N')
             && self.flows.is_first_pass(line)
@@ -267,7 +278,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
     /// Program numbers, assignments and statements.
     fn execute_special(&mut self, block: &mut Block, text: &[u8]) -> crate::diagnostics::Check<Flow> {
         if block.program.is_some() {
-            if self.begun {
+            if self.begun && self.flows.here() != self.main_loop.1 {
                 self.next_program();
                 return Ok(Flow::Next);
             }
@@ -285,7 +296,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         match block.statement.take() {
             Some(crate::block::Statement::Done) => Ok(Flow::Next),
             Some(statement @ crate::block::Statement::Write { .. }) => {
-                self.t.write(&statement);
+                self.t.write(&statement, block.span);
                 Ok(Flow::Next)
             }
             Some(statement) => {
@@ -308,6 +319,10 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
     fn turn(&mut self, flow: Flow, block: &Block) {
         let turn = match flow {
             Flow::Next => Ok(Turn::Go),
+            Flow::End if self.t.dialect.strict_end && self.flows.depth() > 0 => {
+                let m = block.m(2).or(block.m(30));
+                Err(Fault::new(Id::GC615, m.map_or(block.span, |m| m.span)))
+            }
             Flow::End => {
                 let kind = if block.m(2).is_some() { "M02" } else { "M30" };
                 Ok(Turn::End(kind))
@@ -318,6 +333,11 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         match turn {
             Ok(Turn::Go) => {}
             Ok(Turn::End(kind)) => self.program_end(Some(kind)),
+            Ok(Turn::EndByM99(_)) if self.main_loop.0 > 0 => {
+                self.main_loop.0 -= 1;
+                self.t.operator_stop(99);
+                self.flows.lines.go(self.main_loop.1);
+            }
             Ok(Turn::EndByM99(span)) => {
                 self.t.faults.push(Fault::new(Id::GW912, span));
                 self.program_end(Some("M30"));
@@ -348,9 +368,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         if bad {
             self.t.sink.drop_program();
         }
-        for slowed in std::mem::take(&mut self.t.sink.slowed) {
-            self.report(slowed, b" ", &Fault::new(Id::GW926, Span::new(0, 1)));
-        }
+        self.report_slowed();
     }
     #[cold]
     fn report_all(&mut self, line: u32, text: &[u8]) -> bool {
@@ -448,17 +466,8 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         self.t.sink.flush();
         let (line, _, text) = self.last;
         self.settle(line, text);
-        if self.t.dialect.integer_increment == 0.0 && !self.told.inch {
+        if self.t.dialect.integer_increment == 0.0 {
             self.hint_inch();
-        }
-    }
-    /// Inch programs rarely reach farther than a metre and a half.
-    fn hint_inch(&mut self) {
-        self.told.inch = true;
-        let reach = self.t.facts.high.iter().zip(&self.t.facts.low).map(|(h, l)| h.abs().max(l.abs()));
-        let reach = reach.fold(0.0, f64::max) / 25.4;
-        if self.t.state.modal.inch && reach > 60.0 {
-            self.report(1, b" ", &Fault::with(Id::GW934, Span::new(0, 1), &[&format!("{reach:.1}")]));
         }
     }
 }

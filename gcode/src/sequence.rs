@@ -1,7 +1,7 @@
 //! The motion commands as columns, for path checks and plots: one row per command, in execution order.
 
 use motion_kernel::autocode::{Instr, Program};
-use motion_kernel::machine::{AxisKind, Machine};
+use motion_kernel::machine::{Axis, AxisKind, Machine};
 use motion_kernel::registers::ModeReg;
 
 /// `a` axes of the machine, `n` motion commands, `m` passed-over points; two-dimensional columns are row by row.
@@ -35,7 +35,7 @@ pub struct SequenceColumns {
     pub via_line: Vec<u32>,
     /// (m, a)
     pub via_target: Vec<f64>,
-    /// (k, a) effective radii, mm; NaN for linear axes.
+    /// (k, a) effective radii, mm; NaN for linear axes, 0 where the axis is no part of the path.
     pub effradius: Vec<f64>,
     /// (n) row of `effradius`.
     pub effradius_of: Vec<u16>,
@@ -85,18 +85,26 @@ pub fn sequence(program: &Program, machine: &Machine) -> SequenceColumns {
 
 /// The effective radii while a program is read from its first instruction to its last.
 pub(crate) struct Radii {
-    /// Per axis, mm; NaN for linear axes.
+    /// Per axis, mm; NaN for linear axes, 0 for those that are no part of the path.
     pub now: Vec<f64>,
+    /// mm per degree of the machine file, for axes that do not count.
+    own: Vec<f64>,
     in_degrees: bool,
     pushed: f64,
 }
 
 impl Radii {
     pub fn new(machine: &Machine) -> Self {
-        let radius =
-            |axis: &motion_kernel::machine::Axis| if axis.kind == AxisKind::Rotary { axis.effradius } else { f64::NAN };
-        let in_degrees = ModeReg(machine.gcode.modereg).has(ModeReg::RotatoricUnit);
-        Radii { now: machine.axes.iter().map(radius).collect(), in_degrees, pushed: 0.0 }
+        let gcode = &machine.gcode;
+        let radius = |(index, axis): (usize, &Axis)| match axis.kind {
+            // no part of the path: NFRAX axes, and a spindle that turns by its motor command
+            _ if gcode.nfrax.contains(&index) || gcode.spindle.command.is_some_and(|c| c.0 == index) => 0.0,
+            AxisKind::Rotary => axis.effradius,
+            AxisKind::Linear => f64::NAN,
+        };
+        let in_degrees = ModeReg(gcode.modereg).has(ModeReg::RotatoricUnit);
+        let own = machine.axes.iter().map(|a| a.effradius.to_radians()).collect();
+        Radii { now: machine.axes.iter().enumerate().map(radius).collect(), own, in_degrees, pushed: 0.0 }
     }
     /// True if the instruction changes a radius.
     pub fn follow(&mut self, instr: &Instr, program: &Program) -> bool {
@@ -112,6 +120,11 @@ impl Radii {
     }
     /// A position of a command in degrees, where rotary positions are spooled as mm of circumference.
     pub fn axis_unit(&self, axis: usize, value: f64) -> f64 {
-        if self.in_degrees || self.now[axis].is_nan() { value } else { value / self.now[axis].to_radians() }
+        match self.now[axis] {
+            _ if self.in_degrees => value,
+            radius if radius.is_nan() => value,
+            0.0 => value / self.own[axis],
+            radius => value / radius.to_radians(),
+        }
     }
 }

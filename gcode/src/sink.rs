@@ -6,6 +6,7 @@ use motion_kernel::machine::Machine;
 use motion_kernel::registers::ModeReg;
 
 use crate::diagnostics::{Check, Span};
+use crate::dialect::Dialect;
 use crate::group::{ContourGroup, Point, SLOTS};
 use crate::offset_path::{Held, Tracking};
 
@@ -23,6 +24,8 @@ pub struct Circle {
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
     pub line: u32,
+    /// The block it comes from.
+    pub span: Span,
     pub rapid: bool,
     /// Ends at standstill (G60, G61, G09).
     pub exact: bool,
@@ -32,6 +35,8 @@ pub struct Motion {
     pub length: f64,
     pub vl: f64,
     pub ac: f64,
+    /// Highest speed at its end (E).
+    pub end_vl: f64,
     /// Chord tolerance for merging, mm.
     pub tolerance: f64,
     /// Distance of the motion from the line that replaces it (short arcs).
@@ -75,6 +80,7 @@ const MAX_PASSED: usize = 256;
 struct Previous {
     vl: f64,
     joins: bool,
+    end_vl: f64,
     tangent: Point,
 }
 
@@ -95,19 +101,22 @@ pub struct Sink {
     look_ahead: bool,
     /// Rotary positions are spooled as mm of circumference (MODEREG RotatoricUnit is clear).
     circumference: bool,
+    /// Options `rapid_blend` and `exact_in_position` of the machine file.
+    rapid_blend: bool,
+    in_position: bool,
     pub(crate) position: Point,
     run: Option<Run>,
     spare: Vec<Passed>,
     previous: Option<Previous>,
     pub merged: Merged,
     /// Lines of blocks that were slowed down (GW926), to be reported by the translator.
-    pub slowed: Vec<u32>,
+    pub slowed: Vec<(u32, Span)>,
     pub motions: u64,
     pub commands: u64,
 }
 
 impl Sink {
-    pub fn new(group: &ContourGroup, machine: &Machine, keep: bool) -> Self {
+    pub fn new(group: &ContourGroup, machine: &Machine, dialect: &Dialect, keep: bool) -> Self {
         let modereg = ModeReg(machine.gcode.modereg);
         let mut builder = Builder::new(group.set(), machine.gcode.start_fill);
         let list = builder.axis_list(AxisList::new(&group.axes.iter().map(|a| a.axis).collect::<Vec<_>>()));
@@ -124,6 +133,8 @@ impl Sink {
             sample: machine.sample_time_s(),
             look_ahead: modereg.has(ModeReg::LookAhead),
             circumference: !modereg.has(ModeReg::RotatoricUnit) && group.axes.iter().any(|a| a.rotary),
+            rapid_blend: dialect.rapid_blend,
+            in_position: dialect.exact_in_position,
             position: group.start,
             run: None,
             spare: Vec::new(),
@@ -234,7 +245,7 @@ impl Sink {
         if motion.length < least * vl {
             vl = motion.length / least;
             if !motion.rapid {
-                self.slowed.push(motion.line);
+                self.slowed.push((motion.line, motion.span));
             }
         }
         self.motions += 1;
@@ -242,18 +253,26 @@ impl Sink {
         let tangents = if self.look_ahead { ([0.0; SLOTS], [0.0; SLOTS]) } else { self.tangents(&motion) };
         if let Some(previous) = self.previous
             && previous.joins
-            && !motion.rapid
+            && (!motion.rapid || self.rapid_blend)
             && (self.look_ahead || is_smooth(&previous.tangent, &tangents.0))
             && self.keep
             && let Some(last) = self.builder.last_move_mut()
         {
-            last.tvl = previous.vl.min(vl);
+            last.tvl = previous.vl.min(vl).min(previous.end_vl);
         }
         if self.keep {
             self.emit(&motion, vl, vias);
         }
-        self.previous = Some(Previous { vl, joins: !motion.rapid && !motion.exact, tangent: tangents.1 });
+        let joins = (!motion.rapid || self.rapid_blend) && !motion.exact;
+        self.previous = Some(Previous { vl, joins, end_vl: motion.end_vl, tangent: tangents.1 });
         self.position = motion.target;
+        if self.in_position && motion.exact {
+            self.commands += 1;
+            if self.keep {
+                self.builder.emit(motion.line, Instr::Drain(self.group.set()));
+                self.builder.emit(motion.line, Instr::InPosition(self.group.set()));
+            }
+        }
     }
     fn emit(&mut self, motion: &Motion, vl: f64, vias: (u32, u32)) {
         let n = self.group.len();

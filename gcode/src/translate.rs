@@ -46,6 +46,16 @@ pub struct Translator<'a> {
     /// Source line that commands are tagged with.
     pub line: u32,
     pub(crate) limited_feed: Option<f64>,
+    /// A thread is being cut: the spindle stands under position control.
+    pub(crate) threading: bool,
+    /// Spindle speed that was sent last.
+    pub(crate) sent: Option<f64>,
+    /// The block stands in the main file.
+    pub(crate) in_main: bool,
+    /// Line of the last unit code to inch.
+    pub(crate) inch_line: u32,
+    /// Characters of the output string so far (section 15.4).
+    pub(crate) written: usize,
     pub(crate) target_program: Point,
     /// Letters of the present block that have found a use (GC326).
     pub(crate) used: u32,
@@ -75,10 +85,14 @@ impl<'a> Translator<'a> {
                 set[slot] = offsets.get(axis.axis).copied().unwrap_or(0.0);
             }
         }
-        let modal = Modal::reset(dialect.lathe, machine.gcode.merge_tolerance);
-        let state = State::new(&group, Frame::new(work), modal);
+        let modal = Modal::reset(&dialect, machine);
+        let mut factors = [1.0; SLOTS];
+        for (factor, axis) in factors.iter_mut().zip(&group.axes) {
+            *factor = machine.gcode.position_factors.get(axis.axis).copied().unwrap_or(1.0);
+        }
+        let state = State::new(&group, Frame::new(work, factors), modal);
         let keep = !options.check_only;
-        let sink = Sink::new(&group, machine, keep);
+        let sink = Sink::new(&group, machine, &dialect, keep);
         let facts = Facts::new(&group.start);
         Translator {
             machine,
@@ -90,6 +104,11 @@ impl<'a> Translator<'a> {
             faults: Vec::new(),
             line: 0,
             limited_feed: None,
+            threading: false,
+            sent: None,
+            in_main: true,
+            inch_line: 1,
+            written: 0,
             target_program: group.start,
             used: 0,
             tool_lengths: std::collections::HashMap::new(),
@@ -148,7 +167,7 @@ impl<'a> Translator<'a> {
         if block.g.iter().any(|g| g.code.decision == Decision::Ignored) {
             self.used |= mask("PQRL"); // G08 P1
         }
-        if let Some(g) = block.g(650) {
+        if let Some(g) = block.g(650).or(block.code_of(Group::Call)) {
             return self.macro_call(block, g);
         }
         self.check_correction(block)?;
@@ -212,6 +231,9 @@ impl<'a> Translator<'a> {
             {
                 return Err(Fault::with(Id::GC329, word.span, &[&char::from(letter)]));
             }
+            if inch && self.in_main {
+                self.inch_line = self.line;
+            }
             self.state.modal.inch = inch;
         }
         if let Some(g) = block.code_of(Group::FeedMode) {
@@ -241,6 +263,9 @@ impl<'a> Translator<'a> {
         self.length_correction(block)?;
         self.zero_offset(block, owner)?;
         self.path_mode(block)?;
+        if self.dialect.g07_g08 && (block.g(70).is_some() || block.g(80).is_some()) {
+            self.state.modal.diameter = block.g(70).is_some();
+        }
         if let Some(g) = block.code_of(Group::Distance) {
             self.state.modal.incremental = g.code.tenths == 910;
         }
@@ -274,12 +299,15 @@ impl<'a> Translator<'a> {
     /// G40, G41, G42: the tool radius is that of D, or of the tool in the spindle.
     fn radius_correction(&mut self, block: &Block) -> Check<()> {
         let Some(g) = block.code_of(Group::RadiusCorrection) else { return Ok(()) };
+        if g.code.tenths != 400 && !self.dialect.radius_correction {
+            return Err(Fault::with(Id::GC312, g.span, &[&number(g.code.tenths)]));
+        }
         if g.code.tenths == 400 {
             self.state.modal.correction = 40;
             return self.sink.stop_correction(g.span);
         }
         self.used |= bit(b'D');
-        let tool = block.integer(b'D').unwrap_or(self.state.modal.in_spindle);
+        let tool = block.integer(b'D').unwrap_or(self.state.modal.tool_offset.unwrap_or(self.state.modal.in_spindle));
         let found = self.machine.gcode.tools.iter().find(|t| t.number == tool).map(|t| t.radius);
         let missing = || Fault::with(Id::GC509, block.word(b'D').map_or(g.span, |w| w.span), &[&tool]);
         let radius = match self.length(block, b'D') {
@@ -334,7 +362,8 @@ impl<'a> Translator<'a> {
         let mut length = 0.0;
         self.used |= bit(b'H');
         if g.code.tenths != 490 {
-            let number = block.integer(b'H').unwrap_or(self.state.modal.in_spindle);
+            let number =
+                block.integer(b'H').unwrap_or(self.state.modal.tool_offset.unwrap_or(self.state.modal.in_spindle));
             let tool = self.machine.gcode.tools.iter().find(|t| t.number == number);
             let missing = || Fault::with(Id::GC509, block.word(b'H').map_or(g.span, |w| w.span), &[&number]);
             length = if number == 0 {
@@ -372,6 +401,11 @@ impl<'a> Translator<'a> {
         Ok(())
     }
 
+    /// The block in the main file; empty for one of another file.
+    #[inline]
+    pub(crate) fn place(&self, block: &Block) -> Span {
+        if self.in_main { block.span } else { Span::default() }
+    }
     /// A length word in mm.
     pub(crate) fn length(&self, block: &Block, letter: u8) -> Option<f64> {
         block.word(letter).map(|w| self.increments(w.value, w.integer_form) * self.state.modal.unit())
@@ -394,7 +428,7 @@ impl<'a> Translator<'a> {
             return value;
         }
         let value = value * self.state.modal.unit();
-        if self.dialect.diameter && matches!(letter, b'X' | b'U') { value * 0.5 } else { value }
+        if self.state.modal.diameter && matches!(letter, b'X' | b'U') { value * 0.5 } else { value }
     }
     /// The slot of an axis word, and whether it is an incremental U V W.
     #[inline]
@@ -429,6 +463,7 @@ impl<'a> Translator<'a> {
                 target.program[slot] += value;
                 target.machine[slot] += value;
             } else {
+                let value = if self.group.axes[slot].modulo { self.short_way(slot, value) } else { value };
                 target.program[slot] = value;
                 target.machine[slot] = value + self.state.frame.shift()[slot];
                 self.state.unknown &= !(1 << slot);
@@ -443,6 +478,16 @@ impl<'a> Translator<'a> {
         Ok(target)
     }
 
+    /// A rotary axis under G00 G90 goes to the nearest equal angle, at half a turn in the positive sense.
+    #[cold]
+    fn short_way(&self, slot: usize, value: f64) -> f64 {
+        if self.state.modal.motion != MotionMode::Rapid {
+            return value;
+        }
+        let from = self.state.program[slot];
+        let way = (value - from).rem_euclid(360.0);
+        from + if way > 180.0 { way - 360.0 } else { way }
+    }
     /// Words that no function of the block has asked for.
     #[inline]
     pub(crate) fn check_unused(&mut self, block: &Block) -> Check<()> {
@@ -471,6 +516,6 @@ impl<'a> Translator<'a> {
     }
     /// After an error in a block that may have moved: nobody knows where the axes should be.
     pub fn lose_position(&mut self) {
-        self.state.unknown = (1 << SLOTS) - 1;
+        self.state.unknown = self.group.lettered();
     }
 }

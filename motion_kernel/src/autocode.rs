@@ -88,6 +88,8 @@ pub enum Instr {
     Ssms(AxisSet),
     /// Start them, then wait until they are empty, back in direct mode and at profile end (G75).
     Drain(AxisSet),
+    /// Wait until these axes are in position (axst ip).
+    InPosition(AxisSet),
     /// Wait a number of samples without spooling anything (SAP `wt`).
     Wait(u32),
     /// Push a number of the pool.

@@ -240,6 +240,7 @@ impl Mcu {
             }
             self.waiting |= matches!(axis.doing, Doing::Wait(_)) || axis.spooler.state == SpoolState::Halted;
         }
+        self.waiting |= self.tasks.iter().any(|t| t.rests());
         if !self.waiting {
             self.told.acknowledge = false;
         }

@@ -346,13 +346,14 @@ impl Mcu {
         self.is_finished().then_some(Stop::Finished)
     }
 
-    /// The command of the wait for the application that an axis is in.
+    /// The command of the wait for the application that an axis is in; 1000 too while a task rests behind writeln.
     pub fn wait_for_application(&self) -> Option<u16> {
         let waits = |a: &Axis| match a.doing {
             Doing::Wait(Wait::Ci99 | Wait::Ci99Bit) => a.function.map(|f| f.command),
             _ => (a.spooler.state == SpoolState::Halted).then_some(1000),
         };
-        self.axes.iter().find_map(waits)
+        let resting = || self.tasks.iter().any(Task::rests).then_some(1000);
+        self.axes.iter().find_map(waits).or_else(resting)
     }
 
     /// No axis travels.
@@ -368,7 +369,7 @@ impl Mcu {
 
     fn is_finished(&mut self) -> bool {
         let idle = !self.holding
-            && self.tasks.iter().all(|t| !t.is_active())
+            && self.tasks.iter().all(|t| !t.is_active() && !t.rests())
             && self.axes.iter().all(|a| a.is_drained() && a.run_on_v == 0.0);
         if !idle {
             (self.settled, self.ended) = (0, 0);

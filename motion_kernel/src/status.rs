@@ -119,7 +119,10 @@ impl Mcu {
         self.registers.modereg = ModeReg(self.machine.gcode.modereg);
         self.registers.units = crate::units::TrajectoryUnits::default(); // part programs are in mm and s
         self.wrtrovrst(self.machine.gcode.trovrst_s);
-        self.cl(all);
+        // the drive of a spindle by motor command stays in open loop
+        let spindle = self.machine.gcode.spindle.command.map(|c| c.0);
+        self.cl(all.iter().filter(|a| Some(*a) != spindle).collect());
+        self.registers.nfrax = self.machine.gcode.nfrax.iter().copied().collect();
         self.set_referenced(all);
         self.settle = true;
         self.stop_at = self.machine.controller.stop_at;
@@ -141,6 +144,7 @@ impl Mcu {
         let halted: AxisSet = halted.collect();
         self.ssms(halted);
         self.ClearCI99();
+        self.tasks.iter_mut().filter(|t| t.rests()).for_each(|t| t.resume());
     }
 
     /// Moves that any spooler or axis still holds.

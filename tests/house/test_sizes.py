@@ -15,7 +15,7 @@ TRACKED_BYTES = 200_000
 
 # "file" or "file::function": (lines allowed, why it is not split)
 EXCEPTIONS: dict[str, tuple[int, str]] = {
-    "gcode/src/flow.rs": (562, "jumps, loops and calls share one cursor over the program"),
+    "gcode/src/flow.rs": (569, "jumps, loops and calls share one cursor over the program"),
     "gcode/src/parser.rs": (529, "one pass over the tokens of a block, all of its errors beside it"),
 }
 

@@ -174,6 +174,7 @@ fn axis(section: Section<'_, '_>) -> Axis {
         effradius: section.number("effradius", "mm", TINY..=BIG, 180.0 / std::f64::consts::PI),
         display: section.word("display_unit", &POSITION_UNITS, display_default(kind)),
         zero_offsets: section.section("zero_offsets").map_or([0.0; ZERO_OFFSET_SETS], |s| zero_offsets(s, unit)),
+        modulo: section.flag("modulo").unwrap_or(false),
         start: section.number("start", unit, -BIG..=BIG, 0.0),
         reference: section.number("reference", unit, -BIG..=BIG, 0.0),
         equipment: equipment(&section, unit),

@@ -37,6 +37,10 @@ impl GcodeDefaults {
             profile: Profile::Din,
             dialect: DialectOptions::default(),
             outputs: OutputMasks::default(),
+            spindle: Spindle::default(),
+            nfrax: Vec::new(),
+            position_factors: vec![1.0; axes],
+            g_functions: Vec::new(),
             m_functions: Vec::new(),
             speed_cd: 200,
             auxiliary_ci: 200,
@@ -60,6 +64,10 @@ pub(super) fn gcode_defaults(section: Section<'_, '_>, axes: &[Axis]) -> GcodeDe
         profile: section.word("profile", &PROFILES, default.profile),
         dialect: section.section("dialect").map_or_else(DialectOptions::default, dialect),
         outputs: section.section("outputs").map_or_else(OutputMasks::default, outputs),
+        spindle: section.section("spindle").map_or_else(Spindle::default, |s| spindle(s, axes)),
+        nfrax: nfrax(&section, axes),
+        position_factors: position_factors(&section, axes),
+        g_functions: g_functions(&section),
         m_functions: m_functions(&section),
         speed_cd: section.integer("speed_cd", 0..=999, default.speed_cd),
         auxiliary_ci: common_integer(&section, "auxiliary_ci").unwrap_or(default.auxiliary_ci),
@@ -154,6 +162,18 @@ fn dialect(section: Section<'_, '_>) -> DialectOptions {
         peck_clearance: section.number_if_given("peck_clearance", "mm", 0.0..=100.0),
         strict_m: section.flag("strict_m"),
         d_is_radius: section.flag("d_is_radius"),
+        strict_end: section.flag("strict_end"),
+        m6_needs_t: section.flag("m6_needs_t"),
+        rapid_blend: section.flag("rapid_blend"),
+        main_loop: section.integer_if_given("main_loop", 0..=9999),
+        thread_as_feed: section.flag("thread_as_feed"),
+        tapping_floating: section.flag("tapping_floating"),
+        end_feed: section.flag("end_feed"),
+        g07_g08: section.flag("g07_g08"),
+        g_system_a: section.flag("g_system_a"),
+        radius_correction: section.flag("radius_correction"),
+        exact_in_position: section.flag("exact_in_position"),
+        equal_tolerance: section.number_if_given("equal_tolerance", "", 0.0..=1.0),
     };
     section.done();
     options
@@ -175,6 +195,79 @@ fn outputs(section: Section<'_, '_>) -> OutputMasks {
     };
     section.done();
     masks
+}
+
+/// An axis of the file by its name; a finding where there is none.
+fn named_axis(section: &Section<'_, '_>, key: &'static str, axes: &[Axis]) -> Option<usize> {
+    let name = section.text(key)?;
+    let found = axes.iter().position(|a| a.name == name);
+    if found.is_none() {
+        section.finding(key, "MC107", &format!("there is no axis {name}"));
+    }
+    found
+}
+
+fn spindle(section: Section<'_, '_>, axes: &[Axis]) -> Spindle {
+    let axis = named_axis(&section, "axis", axes);
+    let command = named_axis(&section, "command_axis", axes);
+    let full_speed = section.number("full_speed", "1/min", TINY..=BIG, 10_000.0);
+    if axis.is_some_and(|a| axes[a].kind != AxisKind::Rotary || axes[a].letter.is_some()) {
+        section.finding("axis", "MC110", "the spindle axis is rotary and has letter = \"\"");
+    }
+    if command.is_some_and(|a| a > 7 || axes[a].letter.is_some() || Some(a) == axis) {
+        section.finding(
+            "command_axis",
+            "MC110",
+            "one of the first 8 axes, with letter = \"\", and not the spindle axis",
+        );
+    }
+    let spindle = Spindle {
+        axis,
+        limit: section.number("limit", "1/min", 0.0..=BIG, 0.0),
+        command: command.map(|a| (a, full_speed)),
+        dwell_s: section.number("dwell_s", "s", 0.0..=86_400.0, 0.0),
+    };
+    section.done();
+    spindle
+}
+
+fn nfrax(section: &Section<'_, '_>, axes: &[Axis]) -> Vec<usize> {
+    let mut list = Vec::new();
+    for (name, span) in section.texts("nfrax").unwrap_or_default() {
+        match axes.iter().position(|a| a.name == name && a.kind == AxisKind::Rotary) {
+            Some(axis) => list.push(axis),
+            None => section.finding_at(span, "MC107", &format!("there is no rotary axis {name}"), None),
+        }
+    }
+    list
+}
+
+fn position_factors(section: &Section<'_, '_>, axes: &[Axis]) -> Vec<f64> {
+    let table = section.section("position_factors");
+    let factors = table.as_ref().map_or_else(|| vec![1.0; axes.len()], |table| per_axis(table, axes, |_| 1.0));
+    if let Some(zero) = factors.iter().position(|f| *f == 0.0) {
+        section.finding("position_factors", "MC106", &format!("{}: a factor is not 0", axes[zero].name));
+    }
+    factors
+}
+
+/// G codes of the machine: those without a meaning of their own, whole numbers from 100 on.
+fn g_functions(section: &Section<'_, '_>) -> Vec<(u16, String)> {
+    let mut functions: Vec<(u16, String)> = Vec::new();
+    for entry in section.sections("g") {
+        let number = entry.required_integer("number", 100..=999);
+        let tenths = number.unwrap_or(100) as u16 * 10;
+        if tenths == 1070 || functions.iter().any(|f| f.0 == tenths) {
+            entry.finding("number", "MC111", "this G function has its meaning already");
+        }
+        let name = entry.text("subprogram").unwrap_or_default();
+        if name.is_empty() || !name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_') {
+            entry.finding("subprogram", "MC107", "letters, digits and '_'");
+        }
+        functions.push((tenths, name.to_owned()));
+        entry.done();
+    }
+    functions
 }
 
 /// M functions with a meaning of their own in every dialect.

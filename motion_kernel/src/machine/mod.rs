@@ -116,6 +116,8 @@ pub struct Axis {
     pub display: crate::units::PositionUnit,
     /// Sets of zero offsets that `azo` chooses from.
     pub zero_offsets: [f64; crate::zero::ZERO_OFFSET_SETS],
+    /// G00 under G90 takes the short way, a whole turn or more is left out.
+    pub modulo: bool,
     /// Start position of a G-code run and reference position (G28).
     pub start: f64,
     pub reference: f64,
@@ -218,6 +220,13 @@ pub struct GcodeDefaults {
     pub profile: Profile,
     pub dialect: DialectOptions,
     pub outputs: OutputMasks,
+    pub spindle: Spindle,
+    /// Axes that do not count for the path length (NFRAX), by index.
+    pub nfrax: Vec<usize>,
+    /// Factors from program to machine coordinates per axis (resources 17 and 18); 1 = not mirrored.
+    pub position_factors: Vec<f64>,
+    /// G codes that call a subprogram: code in tenths, its name.
+    pub g_functions: Vec<(u16, String)>,
     /// M functions that the dialect leaves to the machine (din66025.md section 16).
     pub m_functions: Vec<MFunction>,
     /// Common double that takes S, common integer that takes H.
@@ -248,6 +257,30 @@ pub struct DialectOptions {
     pub strict_m: Option<bool>,
     /// D of G41, G42 is the tool radius itself.
     pub d_is_radius: Option<bool>,
+    /// M02, M30 in a subprogram are an error (GC615).
+    pub strict_end: Option<bool>,
+    /// M06 without a T word since the last one is an error (GC516).
+    pub m6_needs_t: Option<bool>,
+    /// Rapids join with their neighbours instead of standing still.
+    pub rapid_blend: Option<bool>,
+    /// How often M99 goes back to the start of the main program.
+    pub main_loop: Option<u32>,
+    /// G33 without a spindle axis: a straight move with the feed of the lead.
+    pub thread_as_feed: Option<bool>,
+    /// G84 without a spindle axis: feed with reversal of the spindle.
+    pub tapping_floating: Option<bool>,
+    /// E is the feed at the end of the block.
+    pub end_feed: Option<bool>,
+    /// G07 and G08 switch diameter programming on and off.
+    pub g07_g08: Option<bool>,
+    /// G-code system A of lathes: G98, G99 are feed modes, G90, G92, G94 cycles.
+    pub g_system_a: Option<bool>,
+    /// G41, G42 are available.
+    pub radius_correction: Option<bool>,
+    /// Exact stops wait for the in-position window.
+    pub exact_in_position: Option<bool>,
+    /// EQ and NE hold within this difference; 0 = exactly.
+    pub equal_tolerance: Option<f64>,
 }
 
 /// Meaning of I J K without G90.1 or G91.1.
@@ -275,6 +308,19 @@ impl Default for OutputMasks {
     fn default() -> Self {
         OutputMasks { spindle_cw: 1, spindle_ccw: 1 << 1, coolant1: 1 << 2, coolant2: 1 << 3, clamp: 1 << 4 }
     }
+}
+
+/// The main spindle (din66025.md sections 6, 8, 16).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spindle {
+    /// Index of the rotary axis that cuts threads (G33, G84); part programs have no letter for it.
+    pub axis: Option<usize>,
+    /// Highest speed, 1/min; 0 = not watched.
+    pub limit: f64,
+    /// Axis whose motor command port takes the speed, and the speed at 10 V, 1/min.
+    pub command: Option<(usize, f64)>,
+    /// Wait behind M03 and M04, s.
+    pub dwell_s: f64,
 }
 
 /// A user M function: outputs reset and set, a common integer written, then inputs waited for.

@@ -30,6 +30,9 @@ number = 1
 [gcode]
 dialect = {}
 outputs = {}
+spindle = {}
+position_factors = {}
+g = [{ number = 100, subprogram = 'A' }]
 tool = [{ number = 1 }]
 m = [{ number = 100 }]
 offsets = {}
@@ -84,6 +87,7 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ("axis.zero_offsets.set2", "Zero offset under `azo` 2.", ""),
     ("axis.zero_offsets.set3", "Zero offset under `azo` 3.", ""),
     ("axis.zero_offsets.set4", "Zero offset under `azo` 4.", ""),
+    ("axis.modulo", "G00 under G90 turns this rotary axis by the short way (section 11).", "false"),
     ("axis.start", "Position of the axis when a run begins.", ""),
     ("axis.reference", "Reference position of G28, machine coordinate.", ""),
     ("axis.home_velocity", "Velocity hvl of jhi, jhl, jhr (4.4.148).", "jog_velocity / 4"),
@@ -172,6 +176,38 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ("gcode.dialect.peck_clearance", "Clearance above the last depth in peck drilling.", "1"),
     ("gcode.dialect.strict_m", "An M function without assignment is an error (GC513), not a warning.", "false"),
     ("gcode.dialect.d_is_radius", "D of G41, G42 is the tool radius itself, not a tool number.", "false"),
+    ("gcode.dialect.strict_end", "M02 or M30 in a subprogram is an error (GC615); else it ends the program.", "false"),
+    ("gcode.dialect.m6_needs_t", "M06 needs a T word since the last M06 (GC516).", "false"),
+    ("gcode.dialect.rapid_blend", "G00 joins with its neighbours; else it stands still at both ends.", "false"),
+    (
+        "gcode.dialect.main_loop",
+        "How often M99 goes back to the start of the main program, each time behind a stop.",
+        "0",
+    ),
+    (
+        "gcode.dialect.thread_as_feed",
+        "G33 without a spindle axis: a straight move with feed lead * S (GW916).",
+        "false",
+    ),
+    (
+        "gcode.dialect.tapping_floating",
+        "G84 without a spindle axis: feed with reversal of the spindle (GW919).",
+        "false",
+    ),
+    ("gcode.dialect.end_feed", "E is the feed at the end of the block; else GC214.", "false"),
+    ("gcode.dialect.g07_g08", "G07 switches diameter programming on, G08 off.", "false"),
+    ("gcode.dialect.g_system_a", "G-code system A: G98, G99 are G94, G95; G90, G92, G94 are cycles (GC317).", "false"),
+    ("gcode.dialect.radius_correction", "G41 and G42 are available; else GC312.", "true"),
+    ("gcode.dialect.exact_in_position", "G60, G61, G09 wait for the in-position window of all axes.", "false"),
+    ("gcode.dialect.equal_tolerance", "EQ and NE hold within this difference; 0 = exactly.", "0"),
+    ("gcode.nfrax", "Rotary axes that do not count for the path length (NFRAX).", "[]"),
+    ("gcode.spindle.axis", "Rotary axis with letter \"\" that cuts threads (G33, G84) in its position loop.", "none"),
+    ("gcode.spindle.limit", "Highest speed in 1/min (GC515), limit of G96 too; 0 = not watched.", ""),
+    ("gcode.spindle.command_axis", "Axis (one of the first 8) whose motor command takes the speed (1200 + n).", "none"),
+    ("gcode.spindle.full_speed", "Speed at 10 V of that motor command, 1/min.", ""),
+    ("gcode.spindle.dwell_s", "Wait behind M03 and M04.", ""),
+    ("gcode.g.number", "G function without a meaning of its own, 100 to 999, that calls a subprogram.", ""),
+    ("gcode.g.subprogram", "Its name or number; the words of the block become variables as with G65.", "required"),
     ("gcode.outputs.spindle_cw", "Digital outputs of M03.", "[1]"),
     ("gcode.outputs.spindle_ccw", "Digital outputs of M04.", "[2]"),
     ("gcode.outputs.coolant1", "Digital outputs of M08.", "[3]"),
@@ -207,6 +243,11 @@ const OFFSETS: &str = "
 
 Work offsets: `G54` to `G59`, each a table of positions per axis name: `G55 = { X = 120.0, Y = 40.0 }`. Axes not named have 0.
 
+## gcode.position_factors
+
+Factors from program to machine coordinates per axis name (resources Mirror and PositionFactor): `X = -1.0` mirrors X, other
+values scale it. They act before the work offset. Axes not named have 1.
+
 ## gcode.references
 
 Positions of G30 in machine coordinates: `P2`, `P3`, `P4`, each a table of positions per axis name: `P2 = { X = 10.0 }`. Axes
@@ -239,7 +280,7 @@ pub fn machine_reference() -> String {
 fn heading(table: &str) -> String {
     let title = match table {
         "" => "Top level".to_owned(),
-        "axis" | "input" | "output" | "gcode.tool" | "gcode.m" => format!("\\[\\[{table}\\]\\]"),
+        "axis" | "input" | "output" | "gcode.tool" | "gcode.m" | "gcode.g" => format!("\\[\\[{table}\\]\\]"),
         _ => table.to_owned(),
     };
     format!("\n## {title}\n\n| key | value | default | meaning |\n|---|---|---|---|\n")

@@ -104,6 +104,7 @@ impl Out {
         for (key, value) in numbers {
             self.value(key, number(value));
         }
+        self.value("modulo", a.modulo);
         if let Some(limits) = &a.limits {
             let function = word(&LIMIT_FUNCTIONS, &limits.function);
             let (left, right) = (number(limits.left), number(limits.right));
@@ -185,8 +186,17 @@ impl Out {
         self.value("merge_tolerance", number(g.merge_tolerance));
         self.value("speed_cd", g.speed_cd);
         self.value("auxiliary_ci", g.auxiliary_ci);
+        let nfrax: Vec<String> =
+            g.nfrax.iter().map(|&a| toml::Value::from(axes[a].name.as_str()).to_string()).collect();
+        self.value("nfrax", format_args!("[{}]", nfrax.join(", ")));
         self.dialect(&g.dialect);
         self.outputs(&g.outputs);
+        self.spindle(&g.spindle, axes);
+        g.g_functions.iter().for_each(|(tenths, name)| {
+            self.line("\n[[gcode.g]]");
+            self.value("number", tenths / 10);
+            self.text("subprogram", name);
+        });
         g.m_functions.iter().for_each(|m| self.m_function(m));
         for tool in g.tools.iter().filter(|t| t.number > 50 || t.length != 0.0 || t.radius != 0.0) {
             self.line("\n[[gcode.tool]]");
@@ -194,6 +204,8 @@ impl Out {
             self.value("length", number(tool.length));
             self.value("radius", number(tool.radius));
         }
+        self.line("\n[gcode.position_factors]");
+        axes.iter().zip(&g.position_factors).for_each(|(a, factor)| self.value(&a.name, number(*factor)));
         self.line("\n[gcode.offsets]");
         for (set, code) in g.offsets.iter().zip(54..) {
             self.per_axis(&format!("G{code}"), axes, set);
@@ -222,6 +234,8 @@ impl Out {
         self.option("arc_centre", &d.arc_centre, |centre| format!("\"{}\"", word(&ARC_CENTRES, centre)));
         self.option("integer_increment", &d.integer_increment, |value| number(*value));
         self.option("peck_clearance", &d.peck_clearance, |value| number(*value));
+        self.option("main_loop", &d.main_loop, u32::to_string);
+        self.option("equal_tolerance", &d.equal_tolerance, |value| number(*value));
         let flags = [
             ("macros", d.macros),
             ("oword", d.oword),
@@ -232,6 +246,16 @@ impl Out {
             ("nested_comments", d.nested_comments),
             ("strict_m", d.strict_m),
             ("d_is_radius", d.d_is_radius),
+            ("strict_end", d.strict_end),
+            ("m6_needs_t", d.m6_needs_t),
+            ("rapid_blend", d.rapid_blend),
+            ("thread_as_feed", d.thread_as_feed),
+            ("tapping_floating", d.tapping_floating),
+            ("end_feed", d.end_feed),
+            ("g07_g08", d.g07_g08),
+            ("g_system_a", d.g_system_a),
+            ("radius_correction", d.radius_correction),
+            ("exact_in_position", d.exact_in_position),
         ];
         for (key, flag) in flags {
             self.option(key, &flag, bool::to_string);
@@ -249,6 +273,18 @@ impl Out {
         for (key, mask) in masks {
             self.value(key, lines(mask));
         }
+    }
+    fn spindle(&mut self, s: &Spindle, axes: &[Axis]) {
+        self.line("\n[gcode.spindle]");
+        if let Some(axis) = s.axis {
+            self.text("axis", &axes[axis].name);
+        }
+        self.value("limit", number(s.limit));
+        if let Some((axis, full_speed)) = s.command {
+            self.text("command_axis", &axes[axis].name);
+            self.value("full_speed", number(full_speed));
+        }
+        self.value("dwell_s", number(s.dwell_s));
     }
     fn m_function(&mut self, m: &MFunction) {
         self.line("\n[[gcode.m]]");

@@ -5,6 +5,7 @@ use crate::axes::AxisSet;
 use crate::functions::Entered;
 use crate::mcu::Mcu;
 use crate::motion::MotionCommand;
+use crate::registers::{Axst, ModeReg};
 use crate::spooler::{BYTES_FUNCTION, SpoolState};
 use crate::tasks::Output;
 use std::sync::Arc;
@@ -90,6 +91,8 @@ pub struct Task {
     locals: Vec<f64>,
     /// Samples left of a `Wait`; None = not begun.
     wait: Option<u32>,
+    /// Stopped by its own writeln (StopAtWriteln) until the application continues it.
+    rests: bool,
     /// Waits for time or the end of motion.
     waiting: bool,
     stepping: bool,
@@ -128,6 +131,7 @@ impl Task {
         }
     }
     pub fn resume(&mut self) {
+        self.rests = false;
         self.stepping = false;
         if matches!(self.state, TaskState::Stopped | TaskState::Stepped) {
             self.state = TaskState::Running;
@@ -149,6 +153,10 @@ impl Task {
     /// Started and not at its end: running, stopped or stepping.
     pub fn is_alive(&self) -> bool {
         matches!(self.state, TaskState::Running | TaskState::Stopped | TaskState::Stepped)
+    }
+    /// Stopped by its own writeln.
+    pub fn rests(&self) -> bool {
+        self.rests && self.state == TaskState::Stopped
     }
     pub fn has_failed(&self) -> bool {
         self.error.is_some()
@@ -232,6 +240,13 @@ impl Task {
             Instr::Ssf(n) => return self.ssf(n, program, mcu),
             Instr::Ssms(axes) => mcu.start_direct(axes),
             Instr::Drain(axes) => return Ok(self.drain(axes, mcu)),
+            Instr::InPosition(axes) => {
+                let there = |a: usize| a >= mcu.axes.len() || mcu.axst(a).has(Axst::ip);
+                if !axes.iter().all(there) {
+                    self.waiting = true;
+                    return Ok(Flow::Again);
+                }
+            }
             Instr::Wait(samples) => return Ok(self.wait(samples)),
             Instr::Number(n) => self.push(*program.numbers.get(n as usize).ok_or(runtime_error::BAD_ADDRESS)?)?,
             Instr::LoadCi(n) => {
@@ -266,7 +281,12 @@ impl Task {
                 self.output.append(text);
             }
             Instr::WriteValue => self.write_value()?,
-            Instr::Writeln => self.output.close(),
+            Instr::Writeln => {
+                self.output.close();
+                if mcu.modereg().has(ModeReg::StopAtWriteln) {
+                    (self.state, self.rests, mcu.waiting) = (TaskState::Stopped, true, true);
+                }
+            }
             Instr::Binary(_) | Instr::Negate | Instr::Not => self.calculate(instr)?,
         }
         Ok(Flow::Next)

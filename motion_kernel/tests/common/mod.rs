@@ -42,6 +42,7 @@ fn axis(name: char, kind: AxisKind) -> Axis {
         effradius: 57.29577951308232,
         display: PositionUnit::Mm,
         zero_offsets: [0.0; 5],
+        modulo: false,
         start: 0.0,
         reference: 0.0,
         equipment: Equipment::default(),
