@@ -1,0 +1,89 @@
+//! Corrections for the tool: radius G40..G42 and length G43, G44, G49 (docs/dialect.md, sections 6 and 22).
+
+use crate::block::{Block, GWord, bit};
+use crate::codes::{Group, number};
+use crate::diagnostics::{Check, Fault, Id};
+use crate::translate::Translator;
+
+impl Translator<'_> {
+    /// G40, G41, G42: the tool radius is that of D, or of the tool in the spindle.
+    pub(crate) fn radius_correction(&mut self, block: &Block) -> Check<()> {
+        let Some(g) = block.code_of(Group::RadiusCorrection) else { return Ok(()) };
+        if g.code.tenths != 400 && !self.dialect.radius_correction {
+            return Err(Fault::with(Id::GC312, g.span, &[&number(g.code.tenths)]));
+        }
+        if g.code.tenths == 400 {
+            self.state.modal.correction = 40;
+            return self.sink.stop_correction(g.span);
+        }
+        self.used |= bit(b'D');
+        let tool = block.integer(b'D').unwrap_or(self.state.modal.tool_offset.unwrap_or(self.state.modal.in_spindle));
+        let found = self.machine.gcode.tools.iter().find(|t| t.number == tool).map(|t| t.radius);
+        let missing = || Fault::with(Id::GC509, block.word(b'D').map_or(g.span, |w| w.span), &[&tool]);
+        let radius = match self.length(block, b'D') {
+            Some(radius) if self.dialect.d_is_radius => radius,
+            _ if tool == 0 => 0.0,
+            _ => found.ok_or_else(missing)?,
+        };
+        self.state.modal.correction = g.code.tenths / 10;
+        if radius == 0.0 {
+            self.faults.push(Fault::new(Id::GW917, g.span));
+            return self.sink.stop_correction(g.span);
+        }
+        let (letters, _) = self.state.modal.plane.letters();
+        let mut slots = [0; 2];
+        for (slot, letter) in slots.iter_mut().zip(letters) {
+            let found = self.group.slot(letter).filter(|s| !self.group.axes[*s].rotary);
+            *slot = found.ok_or_else(|| Fault::with(Id::GC417, g.span, &[&char::from(letter)]))?;
+        }
+        let reverses = self.state.frame.reverses(slots).ok_or_else(|| Fault::new(Id::GC412, g.span))?;
+        let left = (g.code.tenths == 410) != reverses;
+        let programmed = slots.map(|s| self.state.machine[s]);
+        self.sink.plane = slots;
+        self.sink.start_correction(slots, if left { radius } else { -radius }, programmed, g.span)
+    }
+    /// What would move the contour away from the tool is refused while a correction acts (GC419).
+    pub(crate) fn check_correction(&self, block: &Block) -> Check<()> {
+        if !self.sink.is_correcting() {
+            return Ok(());
+        }
+        let refused = |g: &&GWord| match g.code.group {
+            Group::Plane => g.code.tenths != self.state.modal.plane.g() * 10,
+            Group::ZeroOffset | Group::Scaling | Group::Mirror | Group::Rotation | Group::Cylinder => true,
+            Group::OneShot => g.code.tenths != 40,
+            Group::Motion => g.code.tenths > 30 && g.code.tenths != 800,
+            _ => false,
+        };
+        match block.g.iter().find(refused) {
+            Some(g) => Err(Fault::with(Id::GC419, g.span, &[&format!("G{}", number(g.code.tenths))])),
+            None => Ok(()),
+        }
+    }
+    /// G43, G44, G49: along the normal of the plane.
+    pub(crate) fn length_correction(&mut self, block: &Block) -> Check<()> {
+        let Some(g) = block.code_of(Group::LengthCorrection) else { return Ok(()) };
+        let mut length = 0.0;
+        self.used |= bit(b'H');
+        if g.code.tenths != 490 {
+            let number =
+                block.integer(b'H').unwrap_or(self.state.modal.tool_offset.unwrap_or(self.state.modal.in_spindle));
+            let tool = self.machine.gcode.tools.iter().find(|t| t.number == number);
+            let missing = || Fault::with(Id::GC509, block.word(b'H').map_or(g.span, |w| w.span), &[&number]);
+            length = if number == 0 {
+                0.0
+            } else {
+                self.tool_length(number).or(tool.map(|t| t.length)).ok_or_else(missing)?
+            };
+        }
+        let normal = self.state.modal.plane.letters().1;
+        let signed = if g.code.tenths == 440 { -length } else { length };
+        self.state.frame.length = match self.group.slot(normal) {
+            _ if g.code.tenths == 490 => None,
+            Some(slot) => Some((slot, signed)),
+            None if signed == 0.0 => None,
+            None => return Err(Fault::with(Id::GC801, g.span, &[&char::from(normal)])),
+        };
+        self.state.reframe();
+        Ok(())
+    }
+}
