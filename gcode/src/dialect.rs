@@ -86,6 +86,8 @@ pub struct Dialect {
     pub rapid_blend: bool,
     /// How often M99 starts the main program again.
     pub main_loop: u32,
+    /// The machine has an axis that cuts threads.
+    pub spindle_axis: bool,
     pub thread_as_feed: bool,
     pub tapping_floating: bool,
     /// E is the feed at the end of the block.
@@ -129,6 +131,7 @@ impl Dialect {
             m6_needs_t: own.m6_needs_t.unwrap_or(false),
             rapid_blend: own.rapid_blend.unwrap_or(false),
             main_loop: own.main_loop.unwrap_or(0),
+            spindle_axis: machine.gcode.spindle.axis.is_some(),
             thread_as_feed: own.thread_as_feed.unwrap_or(false),
             tapping_floating: own.tapping_floating.unwrap_or(false),
             end_feed: own.end_feed.unwrap_or(false),
@@ -146,11 +149,15 @@ impl Dialect {
     /// A G code as the machine's options have it.
     #[inline]
     pub fn code(&self, tenths: u16) -> GCode {
-        if tenths <= 30 || !(self.g_system_a || self.g07_g08 || self.calls_by_g) {
+        let settled = self.spindle_axis && !(self.g_system_a || self.g07_g08 || self.calls_by_g);
+        if tenths <= 30 || settled {
             return g_code(tenths);
         }
+        let alone = |option: bool| !self.spindle_axis && !option;
         let yes = |group| GCode { tenths, group, decision: Decision::Yes };
         match tenths {
+            330 if alone(self.thread_as_feed) => GCode { decision: Decision::Refused(Id::GC308), ..g_code(tenths) },
+            840 if alone(self.tapping_floating) => GCode { decision: Decision::Refused(Id::GC308), ..g_code(tenths) },
             980 if self.g_system_a => g_code(940),
             990 if self.g_system_a => g_code(950),
             900 | 920 | 940 if self.g_system_a => GCode { decision: Decision::Refused(Id::GC317), ..g_code(tenths) },

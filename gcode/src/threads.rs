@@ -4,7 +4,7 @@
 //! It stands under position control meanwhile: what M03 and M04 switch on is off before and on again behind.
 
 use crate::block::{Block, CENTRE_LETTERS, bit};
-use crate::codes::{Group, number};
+use crate::codes::Group;
 use crate::cycles::Hole;
 use crate::diagnostics::{Check, Fault, Id, Span};
 use crate::feed::Lengths;
@@ -22,10 +22,6 @@ struct Turning {
 }
 
 impl Translator<'_> {
-    fn not_synchronous(&self, block: &Block, code: u16) -> Fault {
-        let span = block.code_of(Group::Motion).map_or(block.span, |g| g.span);
-        Fault::with(Id::GC308, span, &[&number(code)])
-    }
     /// Revolutions per minute of a spindle that turns, and its sense: M03 positive.
     fn turning(&self, block: &Block) -> Check<(f64, f64)> {
         let sense = match self.state.modal.spindle {
@@ -35,23 +31,19 @@ impl Translator<'_> {
         };
         Ok((self.revolutions(block)?, sense))
     }
-    /// The slot of the spindle axis, which must be able to turn at that speed.
-    fn spindle_slot(&self, block: &Block, code: u16, speed: f64) -> Check<usize> {
-        let slot = self.group.spindle.ok_or_else(|| self.not_synchronous(block, code))?;
+    /// The spindle axis must be able to turn at that speed.
+    fn check_speed(&self, block: &Block, slot: usize, speed: f64) -> Check<()> {
         let most = self.group.axes[slot].rapid / 6.0;
         if speed > most {
             return Err(Fault::with(Id::GC515, block.span_of(b'S'), &[&speed, &most]));
         }
-        Ok(slot)
+        Ok(())
     }
 
     /// G33: a straight move with the lead under I, J or K, in the axis it belongs to.
     pub(crate) fn thread(&mut self, block: &Block) -> Check<()> {
         let target = self.target(block)?;
         self.check_limits(block, &target.machine);
-        if self.group.spindle.is_none() && !self.dialect.thread_as_feed {
-            return Err(self.not_synchronous(block, 330));
-        }
         if self.state.modal.cylinder.is_some() {
             let span = block.code_of(Group::Motion).map_or(block.span, |g| g.span);
             return Err(Fault::with(Id::GC321, span, &[&"G33"]));
@@ -61,12 +53,12 @@ impl Translator<'_> {
         let (speed, sense) = self.turning(block)?;
         let turns = way / lead;
         let time = turns / speed * 60.0;
-        if self.group.spindle.is_none() {
+        let Some(spindle) = self.group.spindle else {
             let span = block.code_of(Group::Motion).map_or(block.span, |g| g.span);
             self.faults.push(Fault::new(Id::GW916, span));
             return self.timed_line(block, &target, time, self.machine.gcode.trac_feed);
-        }
-        let spindle = self.spindle_slot(block, 330, speed)?;
+        };
+        self.check_speed(block, spindle, speed)?;
         self.begin_thread();
         self.turn_to(block, target, Turning { spindle, turns: sense * turns, time })
     }
@@ -163,10 +155,8 @@ impl Translator<'_> {
         let feed = self.state.modal.feed.ok_or_else(|| Fault::new(Id::GC501, block.span))?;
         let lead = if self.state.modal.feed_mode == FeedMode::PerRevolution { feed.mm } else { feed.mm / speed };
         let span = Span { ..block.span };
-        if self.group.spindle.is_none() {
-            return self.floating_tap(block, hole, span);
-        }
-        let spindle = self.spindle_slot(block, 840, speed)?;
+        let Some(spindle) = self.group.spindle else { return self.floating_tap(block, hole, span) };
+        self.check_speed(block, spindle, speed)?;
         let turns = sense * (hole.retract - hole.bottom) / lead;
         let time = turns.abs() / speed * 60.0;
         self.begin_thread();
@@ -202,11 +192,8 @@ impl Translator<'_> {
         self.state.modal = modal;
         self.spindle_again();
     }
-    /// Refused before anything moves: no spindle axis, a peck depth.
+    /// Refused before anything moves: a peck depth.
     pub(crate) fn check_tapping(&self, block: &Block) -> Check<()> {
-        if self.group.spindle.is_none() && !self.dialect.tapping_floating {
-            return Err(self.not_synchronous(block, 840));
-        }
         match block.word(b'Q') {
             Some(word) => Err(Fault::with(Id::GC326, word.span, &[&'Q'])),
             None => Ok(()),
