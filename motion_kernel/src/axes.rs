@@ -45,9 +45,12 @@ impl AxisSet {
     pub fn iter(self) -> impl Iterator<Item = usize> {
         let mut left = self.0;
         std::iter::from_fn(move || {
+            if left == 0 {
+                return None;
+            }
             let axis = left.trailing_zeros() as usize;
-            left &= left.wrapping_sub(1);
-            (axis < u32::BITS as usize).then_some(axis)
+            left &= left - 1;
+            Some(axis)
         })
     }
 }
@@ -63,6 +66,7 @@ impl FromIterator<usize> for AxisSet {
 pub struct AxisList {
     len: u8,
     index: [u8; MAX_AXES],
+    set: AxisSet,
 }
 
 impl AxisList {
@@ -70,7 +74,8 @@ impl AxisList {
     /// With more than 18 axes; callers check the machine first.
     pub fn new(axes: &[usize]) -> Self {
         assert!(axes.len() <= MAX_AXES, "more than {MAX_AXES} axes");
-        let mut list = AxisList { len: axes.len() as u8, ..Self::default() };
+        let set = axes.iter().copied().collect();
+        let mut list = AxisList { len: axes.len() as u8, set, ..Self::default() };
         for (slot, &axis) in list.index.iter_mut().zip(axes) {
             *slot = axis as u8;
         }
@@ -93,7 +98,7 @@ impl AxisList {
         self.iter().position(|a| a == axis)
     }
     pub fn set(&self) -> AxisSet {
-        self.iter().collect()
+        self.set
     }
     /// True if an axis stands in the list more than once (ErrorReg bit 0, errAxDef).
     pub fn has_duplicates(&self) -> bool {

@@ -245,7 +245,9 @@ impl Axis {
     }
     /// True while the axis executes this move or has it in its spooler as the newest motion.
     pub fn holds(&self, slot: u32) -> bool {
-        self.doing == Doing::Move(slot)
+        let is_newest = matches!(self.spooler.entries().back(), Some(Entry::Move { slot: s, .. }) if *s == slot);
+        is_newest
+            || self.doing == Doing::Move(slot)
             || self.spooler.entries().iter().rev().any(|e| matches!(e, Entry::Move { slot: s, .. } if *s == slot))
     }
     /// The queue continues from where the axis stands.

@@ -4,9 +4,10 @@ use crate::axes::AxisSet;
 use crate::axis::{Axis, Doing, Wait};
 use crate::mcu::{Mcu, PointCache, WAIT_CI};
 use crate::path::point;
+use crate::position_loop::PositionLoop;
 use crate::profile::{Profile, Request};
 use crate::registers::{Axst, ErrorReg, ModeReg};
-use crate::spooler::{Entry, SpoolState};
+use crate::spooler::{Entry, NONE, SpoolState};
 use crate::trace::{EventKind, Trace, flag};
 
 impl Mcu {
@@ -113,7 +114,7 @@ impl Mcu {
             self.lookahead.remove(&mut self.moves, slot);
         }
         if self.moves.release(slot) && self.cache.slot == slot {
-            self.cache.slot = crate::spooler::NONE;
+            self.cache.slot = NONE;
         }
     }
 
@@ -181,7 +182,8 @@ impl Mcu {
             }
         }
         let mv = &mut self.moves[slot];
-        (mv.profile, mv.planned) = (Profile::spooled(&request), true);
+        mv.profile = Profile::spooled(&request);
+        mv.planned = true;
     }
 
     /// NoTriangle (design D16): a move that cannot reach its velocity keeps the higher of its junction speeds. A speed
@@ -261,12 +263,17 @@ impl Mcu {
 
     /// The axes of an interpolation execute it on the same clock, else they are asynchronous (2.2.8.3).
     fn check_synchronism(&mut self) {
+        let mut seen = (NONE, 0.0, true);
         for a in 0..self.axes.len() {
-            let Doing::Move(slot) = self.axes[a].doing else { continue };
-            let (axes, t) = (self.moves[slot].axes, self.axes[a].t);
-            let together = axes.iter().all(|b| self.axes[b].doing == Doing::Move(slot) && self.axes[b].t == t);
-            if !together && !self.axes[a].status.has(Axst::saf) {
-                self.lose_synchronism(axes.0);
+            let axis = &self.axes[a];
+            let Doing::Move(slot) = axis.doing else { continue };
+            if seen.0 != slot || seen.1 != axis.t {
+                let is_here = |b: usize| matches!(self.axes[b].doing, Doing::Move(s) if s == slot);
+                let together = self.moves[slot].axes.iter().all(|b| is_here(b) && self.axes[b].t == axis.t);
+                seen = (slot, axis.t, together);
+            }
+            if !seen.2 && !axis.status.has(Axst::saf) {
+                self.lose_synchronism(self.moves[slot].axes.0);
             }
         }
     }
@@ -289,13 +296,13 @@ impl Mcu {
     /// Motor commands and status at the end of the interval.
     fn close_sample(&mut self) {
         let (mut settled, mut idle) = (true, true);
-        for a in 0..self.axes.len() {
-            let axis = &mut self.axes[a];
-            let position_loop = &mut self.loops[a];
+        let mut astray = 0;
+        for (a, (axis, position_loop)) in self.axes.iter_mut().zip(&mut self.loops).enumerate() {
+            let set_point = axis.set_point();
             let travels = axis.doing.travels() || axis.pending > 0;
-            position_loop.control(axis.set_point(), axis.set_velocity(), axis.limiting.motor_off, travels);
+            position_loop.control(set_point, axis.set_velocity(set_point), axis.limiting.motor_off, travels);
             axis.status.put(Axst::pe, !travels);
-            let off = position_loop.error(axis.set_point()).abs();
+            let off = position_loop.error(set_point).abs();
             let in_position = !travels && (axis.parameters.ipw <= 0.0 || off < axis.parameters.ipw);
             axis.status.put(Axst::ip, in_position && axis.parameters.ipw > 0.0);
             settled &= in_position;
@@ -305,8 +312,11 @@ impl Mcu {
                 && off > axis.parameters.mpe
                 && !axis.status.has(Axst::mpe)
             {
-                self.set_status(a, Axst::mpe, true);
+                astray |= 1 << a;
             }
+        }
+        for a in AxisSet(astray).iter() {
+            self.set_status(a, Axst::mpe, true);
         }
         self.settled = if settled { self.settled + 1 } else { 0 };
         self.ended = if idle { self.ended + 1 } else { 0 };
@@ -335,10 +345,10 @@ impl Mcu {
 
     fn record(&self, trace: &mut Trace) {
         let mut flags = 0;
-        for (axis, position_loop) in self.axes.iter().zip(&self.loops) {
-            trace.dp.push(axis.set_point());
-            trace.load.push(position_loop.load());
-            trace.rp.push(position_loop.rp());
+        trace.dp.extend(self.axes.iter().map(Axis::set_point));
+        trace.load.extend(self.loops.iter().map(PositionLoop::load));
+        trace.rp.extend(self.loops.iter().map(PositionLoop::rp));
+        for axis in &self.axes {
             flags |= match axis.doing {
                 Doing::Move(_) | Doing::Points(_) => flag::MOVING,
                 Doing::Alone => flag::MOVING | flag::DIRECT,

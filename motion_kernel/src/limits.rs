@@ -108,10 +108,10 @@ impl Axis {
         let left_of = self.limiting.right.map_or(self.dp, |right| self.dp.min(right));
         self.limiting.left.map_or(left_of, |left| left_of.max(left))
     }
-    /// Its velocity: 0 where a limit holds it.
+    /// Its velocity where the position loop sees `set_point`: 0 where a limit holds it.
     #[inline]
-    pub(crate) fn set_velocity(&self) -> f64 {
-        if self.set_point() == self.dp { self.dv } else { 0.0 }
+    pub(crate) fn set_velocity(&self, set_point: f64) -> f64 {
+        if set_point == self.dp { self.dv } else { 0.0 }
     }
 }
 

@@ -30,8 +30,11 @@ impl Mcu {
 
     /// As [`Mcu::ssms`], but only those in direct mode (design D23): what tasks and a full spooler may start.
     pub fn start_direct(&mut self, axes: AxisSet) {
-        let direct = self.known(axes).iter().filter(|&a| self.axes[a].spooler.state == SpoolState::Direct).collect();
-        self.ssms(direct);
+        for a in self.known(axes).iter() {
+            if self.axes[a].spooler.state == SpoolState::Direct {
+                self.ssms(AxisSet::single(a));
+            }
+        }
     }
 
     /// Stops handing over entries after the current command; they stay (sstps).
