@@ -1,5 +1,6 @@
-//! Samples a second of the kernel with the loop closed: `cargo bench -p motion_kernel`.
-//! One line a case: name, samples, samples/s, ns a sample, times real time.
+//! Samples a second of the kernel with the loop closed and the trace kept: `cargo bench -p motion_kernel [-- CASE..]`.
+//! One line a case: name, samples, then of the median slice samples/s, ns a sample, and a sample as a number of dependent
+//! additions in the same process, a figure that a busy machine changes little.
 
 use motion_kernel::autocode::{Builder, Instr, Move, MoveKind, Program};
 use motion_kernel::axes::{AxisList, AxisSet};
@@ -9,10 +10,14 @@ use motion_kernel::{Mcu, Stop};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// A program of `blocks` moves of X Y Z; `write` fills in targets and shape of block n.
-fn program(blocks: u32, write: impl Fn(u32, &mut Move) -> [f64; 3]) -> Arc<Program> {
-    let mut builder = Builder::new(AxisSet::first(3), 100);
-    let axes = builder.axis_list(AxisList::new(&[0, 1, 2]));
+/// Samples and additions of a slice.
+const SLICE: u64 = 1000;
+const ADDITIONS: u32 = 50_000;
+
+/// A program of `blocks` moves of the first `N` axes; `write` fills in targets and shape of block n.
+fn program<const N: usize>(blocks: u32, write: impl Fn(u32, &mut Move) -> [f64; N]) -> Arc<Program> {
+    let mut builder = Builder::new(AxisSet::first(N), 100);
+    let axes = builder.axis_list(AxisList::new(&std::array::from_fn::<_, N, _>(|a| a)));
     for n in 1..=blocks {
         let tvl = if n < blocks { 50.0 } else { 0.0 };
         let mut mv = Move {
@@ -54,33 +59,75 @@ fn arcs() -> Arc<Program> {
         [40.0 - start, 0.0, -f64::from(n) * 0.01]
     })
 }
+/// Lines of all axes that the controller can have.
+fn eighteen_axes() -> Arc<Program> {
+    program::<18>(200, |n, _| if n % 2 == 1 { std::array::from_fn(|a| 10.0 * a as f64) } else { [0.0; 18] })
+}
+/// Lines of all axes, of about 5 samples each.
+fn eighteen_axes_short() -> Arc<Program> {
+    program::<18>(20_000, |n, _| {
+        let angle = f64::from(n) * 0.002;
+        std::array::from_fn(|a| if a % 2 == 0 { 50.0 * angle.cos() - 50.0 } else { 50.0 * angle.sin() })
+    })
+}
 
-/// Measures a case unless the command line asks for others.
-fn measure(name: &str, program: fn() -> Arc<Program>) {
+/// A machine of servo axes in closed loop.
+fn machine(axes: usize) -> Machine {
+    let mut machine = Machine::builtin();
+    machine.axes = (0..axes).map(|a| machine.axes[a % 3].clone()).collect();
+    machine.gcode.offsets = std::array::from_fn(|_| vec![0.0; axes]);
+    machine
+}
+
+/// Seconds of [`ADDITIONS`] additions of which each waits for the one before: the measure of this machine just now.
+fn additions_s() -> f64 {
+    let step = std::hint::black_box(1e-9);
+    let begin = Instant::now();
+    std::hint::black_box((0..ADDITIONS).fold(0.0, |sum, _| sum + step));
+    begin.elapsed().as_secs_f64()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Runs a case in short slices with a slice of additions after each; only the cases that the command line asks for, if
+/// it does.
+fn measure(name: &str, axes: usize, program: fn() -> Arc<Program>) {
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     if !wanted.is_empty() && !wanted.iter().any(|w| name.contains(w.as_str())) {
         return;
     }
     let program = program();
-    let mut mcu = Mcu::new(Arc::new(Machine::builtin()));
+    let mut mcu = Mcu::new(Arc::new(machine(axes)));
     mcu.prepare_gcode();
     mcu.load(0, program);
     mcu.startcnct(0);
-    let mut trace = Trace::new(3, 1000);
-    let begin = Instant::now();
-    while mcu.advance(1000, &mut trace).stop == Stop::Budget {}
-    let seconds = begin.elapsed().as_secs_f64();
-    let samples = mcu.samples() as f64;
-    let real_time = samples * mcu.sample_time_s() / seconds;
+    let mut trace = Trace::new(axes, SLICE as usize);
+    let (mut samples_s, mut addition_s) = (Vec::new(), Vec::new());
+    loop {
+        let begin = Instant::now();
+        let stop = mcu.advance(SLICE, &mut trace).stop;
+        samples_s.push(begin.elapsed().as_secs_f64() / SLICE as f64);
+        addition_s.push(additions_s() / f64::from(ADDITIONS));
+        if stop != Stop::Budget {
+            break;
+        }
+    }
+    let (samples, sample_s, addition_s) = (mcu.samples(), median(samples_s), median(addition_s));
     println!(
-        "{name:14} {samples:10.0} samples  {:6.2} M/s  {:6.1} ns  {real_time:8.0} x real time",
-        samples / seconds / 1e6,
-        seconds / samples * 1e9
+        "{name:16}{samples:9} samples {:7.2} M/s {:8.1} ns {:6.0} additions",
+        1e-6 / sample_s,
+        1e9 * sample_s,
+        sample_s / addition_s
     );
 }
 
 fn main() {
-    measure("long lines", long_lines);
-    measure("short blocks", short_blocks);
-    measure("arcs", arcs);
+    measure("long lines", 3, long_lines);
+    measure("short blocks", 3, short_blocks);
+    measure("arcs", 3, arcs);
+    measure("18 axes", 18, eighteen_axes);
+    measure("18 axes, short", 18, eighteen_axes_short);
 }

@@ -78,9 +78,8 @@ impl Mcu {
     }
     /// Room for the command in every spooler concerned.
     pub fn has_room(&self, kind: MoveKind, axes: &AxisList) -> bool {
-        let fits = |(i, a): (usize, usize)| {
-            self.axes.get(a).is_none_or(|axis| axis.spooler.left() >= Self::bytes_of(kind, i))
-        };
+        let fits =
+            |(i, a): (usize, usize)| self.axes.get(a).is_none_or(|axis| axis.spooler.left() >= Self::bytes_of(kind, i));
         axes.iter().enumerate().all(fits)
     }
 

@@ -5,10 +5,13 @@ mod common;
 
 use common::*;
 use motion_kernel::Mcu;
-use motion_kernel::autocode::{Builder, Instr, Move, MoveKind, Ssf};
+use motion_kernel::autocode::{Builder, Instr, Move, MoveKind, Program, Ssf};
 use motion_kernel::axes::{AxisList, AxisSet};
+use motion_kernel::functions::Entered;
 use motion_kernel::machine::Machine;
+use motion_kernel::registers::ModeReg;
 use motion_kernel::trace::Trace;
+use motion_kernel::trajectory::Hmp3d;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::Arc;
@@ -40,49 +43,115 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Lines, arcs, functions and waits, spooled by a task while they run, through a full spooler.
-#[test]
-fn ten_thousand_samples_allocate_nothing() {
-    let mut builder = Builder::new(AxisSet::first(3), 100);
-    let axes = builder.axis_list(AxisList::new(&[0, 1, 2]));
-    for n in 1..=20_000u32 {
-        let x = f64::from(n) * 0.05;
-        let end = [x, 0.0, 0.1];
-        let stop = n % 300 == 0;
-        let target = builder.numbers(&end);
-        let tvl = if stop { 0.0 } else { 40.0 };
+/// Axes of the group and the shape of block n.
+struct Job {
+    axes: usize,
+    blocks: u32,
+    shape: fn(u32, &mut Move) -> Vec<f64>,
+    /// Every how many blocks the group stops, switches outputs and waits.
+    stops: u32,
+}
+
+fn program(job: &Job) -> Program {
+    let group = AxisSet::first(job.axes);
+    let mut builder = Builder::new(group, 100);
+    let axes = builder.axis_list(AxisList::new(&(0..job.axes).collect::<Vec<_>>()));
+    for n in 1..=job.blocks {
+        let stop = n.is_multiple_of(job.stops);
+        let (vl, ac, tvl) = (40.0, 500.0, if stop { 0.0 } else { 40.0 });
         let mut mv = Move {
             kind: MoveKind::Smla,
             rapid: false,
             axes,
-            target,
-            vl: 40.0,
-            ac: 500.0,
+            target: 0,
+            vl,
+            ac,
             tvl,
             phi: 0.0,
             center: [0.0; 2],
             vias: (0, 0),
         };
-        if n % 10 == 0 {
-            (mv.kind, mv.phi, mv.center) = (MoveKind::Smha, 180.0, [x - 0.025, 0.0]);
-        }
+        let end = (job.shape)(n, &mut mv);
+        mv.target = builder.numbers(&end);
         builder.spool(n, mv);
         if stop {
-            builder.ssf(n, Ssf { axes: AxisSet::first(3), command: 1003, value: 100.0 });
+            builder.ssf(n, Ssf { axes: group, command: 1003, value: 100.0 });
             builder.ssf(n, Ssf { axes: AxisSet::single(0), command: 1001, value: 1.0 });
         }
     }
-    builder.emit(20_001, Instr::Halt);
-    let mut m = Mcu::new(Arc::new(Machine::builtin()));
+    builder.emit(job.blocks + 1, Instr::Halt);
+    builder.finish()
+}
+
+/// Runs the job on servo axes and counts what `samples` of it allocate.
+fn check(job: &Job, samples: u64, modereg: ModeReg) {
+    let mut machine = Machine::builtin();
+    machine.axes = (0..job.axes).map(|a| machine.axes[a % 3].clone()).collect();
+    machine.gcode.offsets = std::array::from_fn(|_| vec![0.0; job.axes]);
+    let mut m = Mcu::new(Arc::new(machine));
     m.prepare_gcode();
-    m.load(0, Arc::new(builder.finish()));
+    m.set_modereg(m.modereg() | modereg);
+    m.load(0, Arc::new(program(job)));
     m.startcnct(0);
-    let mut trace = Trace::new(3, 10_000);
+    let mut trace = Trace::new(job.axes, samples as usize);
     m.advance(10, &mut trace);
     let before = ALLOCATIONS.get();
-    let advanced = m.advance(10_000, &mut trace);
+    let advanced = m.advance(samples, &mut trace);
     let after = ALLOCATIONS.get();
-    assert_eq!((advanced.samples, after - before), (10_000, 0));
-    assert!(trace.entry[9_999] > 1000);
+    assert_eq!((advanced.samples, after - before), (samples, 0), "{:?}", advanced.stop);
+    assert!(trace.entry[samples as usize - 1] > 1000, "only {} commands", trace.entry[samples as usize - 1]);
     close(trace.factor[0], 1.0, 0.0);
+}
+
+/// Lines, arcs, functions and waits, spooled by a task while they run, through a full spooler.
+#[test]
+fn lines_arcs_and_waits_allocate_nothing() {
+    let shape = |n: u32, mv: &mut Move| {
+        let x = f64::from(n) * 0.05;
+        if n.is_multiple_of(10) {
+            (mv.kind, mv.phi, mv.center) = (MoveKind::Smha, 180.0, [x - 0.025, 0.0]);
+        }
+        vec![x, 0.0, 0.1]
+    };
+    check(&Job { axes: 3, blocks: 20_000, shape, stops: 300 }, 10_000, ModeReg(0));
+}
+
+/// A block a sample, which is the most that the spooler hands over, with S profiles too.
+#[test]
+fn blocks_of_a_sample_allocate_nothing() {
+    let shape = |n: u32, _: &mut Move| {
+        let angle = f64::from(n) * 0.001;
+        vec![50.0 * angle.cos() - 50.0, 50.0 * angle.sin(), f64::from(n) * -1e-5]
+    };
+    check(&Job { axes: 3, blocks: 40_000, shape, stops: 5000 }, 20_000, ModeReg(0));
+    check(&Job { axes: 3, blocks: 40_000, shape, stops: 5000 }, 20_000, ModeReg::SProfile | ModeReg::NoTriangle);
+}
+
+/// All axes that the controller can have.
+#[test]
+fn eighteen_axes_allocate_nothing() {
+    let shape = |n: u32, mv: &mut Move| {
+        let at = |k: u32, a: u32| f64::from(k) * 0.002 * f64::from(1 + a % 3);
+        if n.is_multiple_of(10) {
+            (mv.kind, mv.phi, mv.center) = (MoveKind::Smha, 5.0, [at(n - 1, 0) + 0.5, at(n - 1, 1)]);
+        }
+        (0..18).map(|a| at(n, a)).collect()
+    };
+    check(&Job { axes: 18, blocks: 20_000, shape, stops: 500 }, 10_000, ModeReg(0));
+}
+
+/// Circles in space, spooled before.
+#[test]
+fn circles_in_space_allocate_nothing() {
+    let mut m = mcu("XYZ", ModeReg::LookAhead);
+    let list = AxisList::new(&[0, 1, 2]);
+    let circle =
+        Hmp3d { vl: 20.0, ac: 500.0, tvl: 20.0, phi: 10.0, dtca1: 5.0, pn2: 1.0, pn3: 1.0, ..Hmp3d::default() };
+    (0..500).for_each(|_| assert_eq!(m.smcr3d(&list, &circle), Entered::Yes));
+    let mut trace = Trace::new(3, 10_000);
+    m.ssms(list.set());
+    let before = ALLOCATIONS.get();
+    m.pass(10_000, &mut trace);
+    assert_eq!(ALLOCATIONS.get() - before, 0);
+    assert!(trace.entry[9_999] > 10, "only {} circles", trace.entry[9_999]);
 }
