@@ -29,19 +29,22 @@ class CommandRefused(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A PCAP command: name of its method, name in the manual, chapter, units of what it takes and returns."""
+    """A PCAP command: name of its method, name in the manual, chapter, units of what it takes and returns, and its row
+    in the conformance catalogue."""
 
     name: str
     manual: str
     chapter: str
     unit: str
-    function: Callable[..., Any]
+    row: str
 
 
 COMMANDS: dict[str, Command] = {}
 
 
-def command(chapter: str, unit: str = "", *, manual: str = "", returns_status: bool = False) -> Callable[[F], F]:
+def command(
+    chapter: str, unit: str = "", *, manual: str = "", row: str = "", returns_status: bool = False
+) -> Callable[[F], F]:
     """Marks a method as the PCAP command of that chapter. `manual` is its spelling there, if not lower case. With
     `returns_status` a failure is the return code, not an exception."""
 
@@ -50,7 +53,7 @@ def command(chapter: str, unit: str = "", *, manual: str = "", returns_status: b
         name = function.__name__
         if name in COMMANDS:
             raise TypeError(f"the command {name} stands twice")
-        COMMANDS[name] = Command(name, manual or name, chapter, unit, method)
+        COMMANDS[name] = Command(name, manual or name, chapter, unit, row or f"pcap.{name.removeprefix('mcug3_')}")
         return method
 
     return mark

@@ -8,6 +8,8 @@ from motion_kernel.commands import command
 from motion_kernel.driver import AxisId, Driver, InterruptRoutine
 from motion_kernel.registers import Axst, ControllerFlags, Digi, ErrorReg, Ifs, ModeReg
 
+AXIS_FAULTS = ("cut_encoder", "drop_drive", "block")
+CARD_FAULTS = ("undervoltage", "bus_error")
 FIELD = 15  # controller parameters of an axis: 15 x 15
 
 
@@ -112,6 +114,16 @@ class Status(Driver):
         """The world outside: levels of the digital inputs, bit n-1 = input n."""
         self._mcu.set_inputs(digi)
 
+    def play(self, fault: str, axis: AxisId | None = None, *, on: bool = True, deep: bool = False) -> None:
+        """The world outside: a fault. Of an axis, until it is played with `on` False: cut_encoder, drop_drive (its
+        power and ready signal), block (its mechanics jam). Of the card: undervoltage (below 4.75 V, `deep`: below
+        2.85 V), bus_error. ValueError for others."""
+        if fault not in AXIS_FAULTS + CARD_FAULTS:
+            raise ValueError(f"no fault {fault}; there are {', '.join(AXIS_FAULTS + CARD_FAULTS)}")
+        if axis is None and fault in AXIS_FAULTS:
+            raise ValueError(f"{fault}: name the axis")
+        self._mcu.play(fault, 0 if axis is None else self._index(axis), deep if fault in CARD_FAULTS else on)
+
 
 class CardRegisters(Driver):
     """LEDs, interrupt, and registers whose meaning belongs to applications."""
@@ -195,42 +207,42 @@ class CardRegisters(Driver):
         values = self._mcu.controller_parameters(self._index(axis))
         return [values[n : n + FIELD] for n in range(0, FIELD * FIELD, FIELD)]
 
-    @command("2.5.1", manual="rdSysVarInt")
+    @command("2.5.1", manual="rdSysVarInt", row="appvar.sys.pcap-int")
     def rdsysvarint(self, index: int) -> int:
         """Integer application variable of the system, 0 to 99. IndexError outside."""
         return self._mcu.variable_int(None, index)
 
-    @command("2.5.1", manual="wrSysVarInt")
+    @command("2.5.1", manual="wrSysVarInt", row="appvar.sys.pcap-int")
     def wrsysvarint(self, index: int, value: int) -> None:
         """Integer application variable of the system, 32 bits."""
         self._mcu.set_variable_int(None, index, value)
 
-    @command("2.5.1", manual="rdSysVarDbl")
+    @command("2.5.1", manual="rdSysVarDbl", row="appvar.sys.pcap-dbl")
     def rdsysvardbl(self, index: int) -> float:
         """Floating-point application variable of the system, 0 to 99."""
         return self._mcu.variable_dbl(None, index)
 
-    @command("2.5.1", manual="wrSysVarDbl")
+    @command("2.5.1", manual="wrSysVarDbl", row="appvar.sys.pcap-dbl")
     def wrsysvardbl(self, index: int, value: float) -> None:
         """Floating-point application variable of the system."""
         self._mcu.set_variable_dbl(None, index, value)
 
-    @command("2.5.2", manual="rdAxVarInt")
+    @command("2.5.2", manual="rdAxVarInt", row="appvar.axis.pcap-int")
     def rdaxvarint(self, axis: AxisId, index: int) -> int:
         """Integer application variable of an axis, 0 to 99."""
         return self._mcu.variable_int(self._index(axis), index)
 
-    @command("2.5.2", manual="wrAxVarInt")
+    @command("2.5.2", manual="wrAxVarInt", row="appvar.axis.pcap-int")
     def wraxvarint(self, axis: AxisId, index: int, value: int) -> None:
         """Integer application variable of an axis, 32 bits."""
         self._mcu.set_variable_int(self._index(axis), index, value)
 
-    @command("2.5.2", manual="rdAxVarDbl")
+    @command("2.5.2", manual="rdAxVarDbl", row="appvar.axis.pcap-dbl")
     def rdaxvardbl(self, axis: AxisId, index: int) -> float:
         """Floating-point application variable of an axis, 0 to 99."""
         return self._mcu.variable_dbl(self._index(axis), index)
 
-    @command("2.5.2", manual="wrAxVarDbl")
+    @command("2.5.2", manual="wrAxVarDbl", row="appvar.axis.pcap-dbl")
     def wraxvardbl(self, axis: AxisId, index: int, value: float) -> None:
         """Floating-point application variable of an axis."""
         self._mcu.set_variable_dbl(self._index(axis), index, value)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Callable
 from dataclasses import fields
 
@@ -11,52 +10,7 @@ import numpy as np
 import pytest
 
 from motion_kernel import TSRP, CommandRefused, Machine, Mcu, ModeReg
-from tests.app.conftest import ROOT
-
-MILL = ROOT / "examples" / "machines" / "mill3.toml"
-TA = 1.28e-3
-ROTARY = """
-[[axis]]
-name = "X"
-counts_per_unit = 1000
-rapid = 100
-acceleration = 1000
-display_unit = "inch"
-zero_offsets = { set0 = 10.0, set4 = -2.5 }
-limits = { left = -200, right = 200, function = "SMA" }
-pidf = { kp = 12.0 }
-[[axis]]
-name = "C"
-kind = "rotary"
-counts_per_unit = 1000
-rapid = 360
-acceleration = 3600
-display_unit = "rev"
-zero_offsets = { set0 = 90.0 }
-pidf = { kp = 12.0 }
-"""
-
-
-@pytest.fixture
-def mcu() -> Mcu:
-    """mill3 in closed loop."""
-    mcu = Mcu(Machine.load(MILL))
-    mcu.cl(mcu.machine.axis_names)
-    return mcu
-
-
-@pytest.fixture
-def lathe() -> Mcu:
-    """A linear and a rotary axis in closed loop, following exactly (steppers)."""
-    mcu = Mcu(Machine.parse(ROTARY.replace("[[axis]]", '[[axis]]\ndrive = "stepper"')))
-    mcu.cl(["X", "C"])
-    return mcu
-
-
-def axis_of_machine(key: str) -> float:
-    """A value of axis X of mill3, from the resolved machine file."""
-    return float(tomllib.loads(Machine.load(MILL).show())["axis"][0][key])
-
+from tests.conformance.conftest import MILL, TA, axis_of_machine, stop
 
 DEFAULTS: list[tuple[str, str]] = [
     ("jac", "jog_acceleration"),
@@ -152,14 +106,6 @@ def test_path_values_return_0_or_an_error(mcu: Mcu, name: str) -> None:
     with pytest.raises(stopped) as error:
         read()
     assert error.value.status == -4
-
-
-def stop(mcu: Mcu) -> type:
-    """Stops the operating system of the card; returns what commands raise from then on."""
-    from motion_kernel import PcapError
-
-    assert mcu.bootfile("no such file") == 11
-    return PcapError
 
 
 @pytest.mark.shows("pcap.wrtrac.not-pcap", "pcap.wrtrvl.not-pcap", "pcap.wrtrtvl.not-pcap")
@@ -362,94 +308,6 @@ def test_the_effective_radius_is_in_pu(lathe: Mcu) -> None:
     for axis, bad in [("C", 0.0), ("C", -1.0), ("X", 1.0)]:
         with pytest.raises(ValueError, match="effradius"):
             lathe.wreffradius(axis, bad)
-
-
-@pytest.mark.shows(
-    "pcap.szpa", "pcap.szpa.open-and-closed", "pcap.szpa.clear", "pcap.szpa.readback", "pcap.szpr",
-    "pcap.szpr.open-and-closed", "pcap.szpr.clear", "pcap.szpr.readback", "pcap.rdzerooffset",
-    "pcap.rdzerooffset.after-szp",
-)  # fmt: skip
-@pytest.mark.parametrize("closed", [True, False])
-def test_a_virtual_zero_point_moves_coordinates_and_no_axis(mcu: Mcu, closed: bool) -> None:
-    mcu.ja({"X": 20.0})
-    mcu.advance(4000)
-    if not closed:
-        mcu.ol("X")
-    load = mcu.trace.load[-1, 0]
-    for call, offset in [
-        (lambda: mcu.szpa("X", 5.0), 5.0),
-        (lambda: mcu.szpr("X", -7.5), -2.5),
-        (lambda: mcu.szpr("X", 0.00003), -2.49997),
-        (lambda: mcu.szpa("X", 0.0), 0.0),
-    ]:
-        before = mcu.rdrp("X") + mcu.rdzerooffset("X")
-        call()
-        assert mcu.rdzerooffset("X") == pytest.approx(offset, abs=1e-12)
-        assert mcu.rdrp("X") + offset == pytest.approx(before, abs=2e-4), "to a count"
-        mcu.advance(200)
-        assert np.ptp(mcu.trace.load[:, 0]) < 1e-3, "no axis moves"
-        if closed:
-            assert abs(mcu.rdposerr("X")) < 1e-3
-    assert mcu.trace.load[-1, 0] == pytest.approx(load, abs=1e-3)
-    assert mcu.rdzerooffset("Y") == 0.0
-
-
-def test_targets_are_in_the_coordinates_of_the_zero_point(mcu: Mcu) -> None:
-    mcu.szpa("X", 5.0)
-    mcu.smla({"X": 10.0}, ac=500.0, vl=50.0)
-    mcu.smla({"X": 20.0}, ac=500.0, vl=50.0)
-    mcu.szpr("X", 1.0)  # what is spooled stays where it is in the machine
-    mcu.ssms("X")
-    mcu.advance(2000)
-    assert mcu.rddp("X") == pytest.approx(19.0)
-    assert mcu.rdtp("X") == pytest.approx(19.0)
-    mcu.szpa("X", 0.0)
-    assert mcu.rddp("X") == pytest.approx(25.0)
-
-
-def test_software_limits_stay_at_the_machine(lathe: Mcu) -> None:
-    lathe.prepare_gcode()
-    lathe.szpa("X", 150.0)
-    assert (lathe.rdsll("X"), lathe.rdslr("X")) == (-200.0, 200.0)
-    lathe.ja({"X": 100.0})
-    lathe.advance(8000)
-    assert lathe.rdaxst("X").lsrs
-    assert lathe.rddp("X") == pytest.approx(50.0, abs=1e-2)
-    lathe.wrslr("X", 210.0)
-    assert lathe.rdslr("X") == 210.0
-
-
-@pytest.mark.shows(
-    "pcap.azo", "pcap.azo.five-sets", "pcap.azo.off", "pcap.azo.machine-zero-kept", "pcap.azo.readback",
-)  # fmt: skip
-def test_sets_of_zero_offsets(lathe: Mcu) -> None:
-    lathe.ja({"X": 50.0, "C": 45.0})
-    lathe.advance(4000)
-    for number, offsets in enumerate([(10.0, 90.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (-2.5, 0.0)]):
-        lathe.azo(number)
-        assert (lathe.rdzerooffset("X"), lathe.rdzerooffset("C")) == offsets
-        assert (lathe.rdrp("X"), lathe.rdrp("C")) == pytest.approx((50.0 - offsets[0], 45.0 - offsets[1]))
-    lathe.azo(5)
-    assert (lathe.rdzerooffset("X"), lathe.rdrp("X"), lathe.rdrp("C")) == pytest.approx((0.0, 50.0, 45.0))
-
-
-@pytest.mark.shows("pcap.szpa.clearzeroposition")
-def test_clearzeroposition_makes_the_virtual_zero_that_of_the_machine(mcu: Mcu) -> None:
-    mcu.ja({"X": 20.0})
-    mcu.advance(4000)
-    mcu.szpa("X", 5.0)
-    mcu.wrmodereg(ModeReg.of("ClearZeroPosition"))
-    assert (mcu.rdzerooffset("X"), mcu.rddp("X")) == (0.0, 15.0)
-    mcu.szpr("X", 1.0)
-    assert (mcu.rdzerooffset("X"), mcu.rddp("X")) == (0.0, 14.0)
-
-
-@pytest.mark.shows("pcap.rdzerooffset.ret-0")
-def test_the_zero_offset_cannot_be_read_without_a_system(mcu: Mcu) -> None:
-    assert mcu.rdzerooffset("X") == 0.0
-    with pytest.raises(stop(mcu)) as error:
-        mcu.rdzerooffset("X")
-    assert error.value.status != 0
 
 
 @pytest.mark.shows("pcap.rdslsp.ret-0")

@@ -203,6 +203,7 @@ def test_files_that_cannot_be_sent(mcu: Mcu, other: Path, tmp_path: Path, monkey
     assert mcu.txbf("other.toml") == 0, "found along PATH"
 
 
+@pytest.mark.shows("pcap.booterrorreport", "pcap.initmcuerrorreport", "pcap.txbferrorreport", "pcap.msgtoscreen")
 def test_reports_say_return_codes_in_words(mcu: Mcu) -> None:
     assert mcu.booterrorreport("x.elf", mcu.bootfile("x.elf")) == "x.elf: the file cannot be opened"
     mcu.msgtoscreen(0)

@@ -79,6 +79,19 @@ impl Mcu {
         self.kernel.wrdigob(axis, bitnr, on);
         Ok(())
     }
+    /// A fault from outside: of an axis (cut_encoder, drop_drive, block), or of the card (undervoltage, bus_error).
+    fn play(&mut self, fault: &str, axis: usize, on: bool) -> PyResult<()> {
+        self.check(axis)?;
+        match fault {
+            "cut_encoder" => self.kernel.cut_encoder(axis, on),
+            "drop_drive" => self.kernel.drop_drive(axis, on),
+            "block" => self.kernel.block(axis, on),
+            "undervoltage" => self.kernel.undervoltage(on),
+            "bus_error" => self.kernel.bus_error(),
+            _ => return Err(PyValueError::new_err("unknown fault")),
+        }
+        Ok(())
+    }
     fn rdifs(&self) -> u32 {
         self.kernel.rdifs().0
     }
