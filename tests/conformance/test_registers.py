@@ -16,6 +16,7 @@ DEFAULTS: list[tuple[str, str]] = [
     ("jac", "jog_acceleration"),
     ("jvl", "jog_velocity"),
     ("sdec", "stop_deceleration"),
+    ("hac", "jog_acceleration"),
     ("jerkrel", "jerkrel"),
     ("mdvel", "mdvel"),
     ("maxvel", "maxvel"),
@@ -29,7 +30,8 @@ DEFAULTS: list[tuple[str, str]] = [
     "pcap.rdjac", "pcap.rdjac.default", "pcap.rdjvl", "pcap.rdjvl.default", "pcap.rdjtvl", "pcap.rdjtvl.default",
     "pcap.rdsdec", "pcap.rdsdec.default", "pcap.rdjerkrel", "pcap.rdmdvel", "pcap.rdmaxvel", "pcap.rdmaxacc",
     "pcap.wrjvl", "pcap.wrsdec", "pcap.wrjerkrel", "pcap.wrmdvel", "pcap.wrmaxvel", "pcap.wrmaxacc",
-    "struct.tsrp.jac", "struct.tsrp.jvl", "struct.tsrp.jtvl", "struct.tsrp.ipw", "struct.tsrp.mpe",
+    "struct.tsrp.jac", "struct.tsrp.jvl", "struct.tsrp.jtvl", "struct.tsrp.hac",
+    "struct.tsrp.ipw", "struct.tsrp.mpe",
 )  # fmt: skip
 @pytest.mark.parametrize(("name", "key"), [*DEFAULTS, ("jtvl", None)])
 def test_default_then_what_was_written(name: str, key: str | None) -> None:
@@ -44,6 +46,16 @@ def test_default_then_what_was_written(name: str, key: str | None) -> None:
     tsrp = mcu.rdap("X")
     if hasattr(tsrp, name):
         assert getattr(tsrp, name) == 0.375
+
+
+@pytest.mark.shows("struct.tsrp.hvl")
+def test_home_velocity(mcu: Mcu) -> None:
+    assert mcu.rdhvl("X") == axis_of_machine("jog_velocity") / 4
+    mcu.wrhvl("X", 3.0)
+    assert mcu.rdhvl("X") == mcu.rdap("X").hvl == 3.0
+    for write in (mcu.wrhvl, mcu.wrhac):
+        with pytest.raises(ValueError, match="above 0"):
+            write("X", 0.0)
 
 
 @pytest.mark.shows("jerkrel.default", "jerkrel.clamp", "pcap.wrjerkrel.clamp")
