@@ -65,7 +65,13 @@ impl Mcu {
                         return;
                     }
                 }
-                Doing::Alone => return axis.step_alone(self.ta),
+                Doing::Alone => {
+                    axis.step_alone(self.ta);
+                    if axis.doing == Doing::Nothing && axis.jogging {
+                        self.forbid_target_velocity(a);
+                    }
+                    return;
+                }
                 Doing::Nothing => {
                     if axis.spooler.state != SpoolState::Running {
                         return axis.run_on(rest);
@@ -105,7 +111,19 @@ impl Mcu {
         axis.run_on_v = axis.component.slope(&end, mv.curvature) * end_v;
         (axis.path_v, axis.last_axes, axis.plan_v) = (end_v, mv.axes, 0.0);
         axis.doing = Doing::Nothing;
+        let direct = mv.direct;
         self.let_go(slot);
+        if direct {
+            self.forbid_target_velocity(a);
+        }
+    }
+
+    /// ForbidTargetVel: motion profiles that end with a velocity, and nothing follows, reset the system.
+    fn forbid_target_velocity(&mut self, a: usize) {
+        if self.axes[a].run_on_v != 0.0 && self.registers.modereg.has(ModeReg::ForbidTargetVel) {
+            self.raise(ErrorReg::errTargetVel);
+            self.rs();
+        }
     }
 
     /// One axis no longer holds an entry of a move.
@@ -150,10 +168,8 @@ impl Mcu {
         axis.short_moves = 0;
         if axis.run_on_v == 0.0 {
             axis.path_v = 0.0;
-        } else if self.registers.modereg.has(ModeReg::ForbidTargetVel) {
-            self.raise(ErrorReg::errTargetVel);
-            self.rs();
         }
+        self.forbid_target_velocity(a);
     }
 
     /// Plans a move as its first axis starts it; its plan is frozen from here on.
