@@ -3,7 +3,7 @@
 
 use crate::autocode::MoveKind;
 use crate::axes::{AxisList, AxisSet, MAX_AXES};
-use crate::axis::Doing;
+use crate::axis::{Axis, Doing};
 use crate::circle_3d::Space;
 use crate::functions::Entered;
 use crate::homing::Search;
@@ -160,10 +160,11 @@ impl Mcu {
             return;
         }
         let shaped = self.registers.modereg.has(ModeReg::SProfile);
+        let shortest = self.registers.modereg.has(ModeReg::ShortestRotatoricDistance);
         let v = self.axes[a].velocity();
         self.enter_direct_mode(a);
         let axis = &mut self.axes[a];
-        let target = if relative { axis.dp + way } else { way };
+        let target = if relative { axis.dp + way } else { way - if shortest { axis.turns(way) } else { 0.0 } };
         let distance = target - axis.dp;
         let parameters = axis.parameters;
         // without distance a moving axis comes back to where it is
@@ -261,5 +262,15 @@ impl Mcu {
     /// The value last written (rdjac).
     pub fn rdjac(&self, axis: usize) -> f64 {
         self.axes[axis].parameters.jac_written
+    }
+}
+
+impl Axis {
+    /// Whole turns, in degrees, by which a rotary axis comes to the same place as at `target` on a longer way. Half a
+    /// turn keeps its direction.
+    fn turns(&self, target: f64) -> f64 {
+        let way = target - self.dp;
+        let turns = (way.abs() / 360.0 - 0.5).ceil().max(0.0);
+        if self.parameters.rotary { (360.0 * turns).copysign(way) } else { 0.0 }
     }
 }

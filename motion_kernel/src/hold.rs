@@ -181,10 +181,12 @@ impl Mcu {
         axis.queue_end = component.position(&end);
     }
 
-    /// Acceleration of a stop along a move: its own, or TRAC.
+    /// Acceleration of a stop along a move: its own, or TRAC, which is in PU and TU.
     fn brake_acc(&self, slot: u32) -> f64 {
+        let mv = &self.moves[slot];
         let trac = self.registers.modereg.has(ModeReg::MS_DECEL) && self.registers.trac > 0.0;
-        if trac { self.registers.trac } else { self.moves[slot].ac }
+        let first = mv.axes.iter().next().unwrap_or(0);
+        if trac { self.registers.trac * self.acceleration_unit(first) } else { mv.ac }
     }
     /// jerkrel of a move if ramps are S-shaped, else 0.
     fn shape_of(&self, slot: u32) -> f64 {

@@ -106,9 +106,7 @@ impl Mcu {
         for (ok, bit) in [(has_velocity, ErrorReg::VelocityZero), (positive(command.ac), ErrorReg::AccelZero)] {
             if !ok {
                 self.raise(bit);
-                if !self.registers.modereg.has(ModeReg::InhibitProfileRefuse) {
-                    self.monitor_message();
-                }
+                self.profile_refused();
                 return Err(Entered::Discarded);
             }
         }
@@ -130,7 +128,17 @@ impl Mcu {
         Ok(())
     }
 
+    /// The message on discarding a profile without distance, velocity or acceleration (MODEREG bit 29).
+    fn profile_refused(&mut self) {
+        if !self.registers.modereg.has(ModeReg::InhibitProfileRefuse) {
+            self.monitor_message();
+        }
+    }
+
     pub(crate) fn discard(&mut self, nothing: NoPath) -> Entered {
+        if nothing == NoPath::Zero {
+            self.profile_refused();
+        }
         self.raise(match nothing {
             NoPath::Zero => ErrorReg::ZeroProfile,
             NoPath::Radius { exactly: true } => ErrorReg::RadiusError | ErrorReg::errCenterPoint,

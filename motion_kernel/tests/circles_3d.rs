@@ -167,7 +167,7 @@ fn there_is_no_target_form_and_dtm_is_not_read() {
     let mut circle = hmp3d([10.0, 0.0, 0.0], [0.0, 0.0, 1.0], 1e-101, [20.0, 200.0, 0.0]);
     circle.dtm = [f64::NAN; 18];
     assert_eq!(m.smca3d(&xyz(), &circle), Entered::Discarded);
-    assert_eq!(m.errorreg(), ErrorReg::ZeroProfile);
+    assert_eq!(m.errorreg(), ErrorReg::ZeroProfile | ErrorReg::CheckMonitorScreen);
     circle.phi = 180.0;
     assert_eq!(m.smca3d(&xyz(), &circle), Entered::Yes);
     let end = *points(&run(&mut m)).last().expect("recorded");
@@ -186,7 +186,7 @@ fn what_is_no_circle_is_discarded() {
         (hmp3d([1.0, 0.0, 0.0], [f64::NAN, 0.0, 1.0], 90.0, v), ErrorReg::errCenterPoint),
         (hmp3d([f64::INFINITY, 0.0, 0.0], z, 90.0, v), ErrorReg::errCenterPoint),
         (hmp3d([1.0, 0.0, 0.0], z, f64::NAN, v), ErrorReg::errCenterPoint),
-        (hmp3d([1.0, 0.0, 0.0], z, 0.0, v), ErrorReg::ZeroProfile),
+        (hmp3d([1.0, 0.0, 0.0], z, 0.0, v), ErrorReg::ZeroProfile | ErrorReg::CheckMonitorScreen),
         (hmp3d([1.0, 0.0, 0.0], z, 90.0, [0.0, 1.0, 0.0]), ErrorReg::VelocityZero | ErrorReg::CheckMonitorScreen),
     ];
     for (circle, want) in cases {
