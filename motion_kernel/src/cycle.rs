@@ -1,6 +1,5 @@
 //! One sample interval, top to bottom (design 4.2).
 
-use crate::axes::AxisSet;
 use crate::axis::{Axis, Doing, Wait};
 use crate::mcu::{Mcu, PointCache, WAIT_CI};
 use crate::path::point;
@@ -9,6 +8,9 @@ use crate::profile::{Profile, Request};
 use crate::registers::{Axst, ErrorReg, ModeReg};
 use crate::spooler::{Entry, NONE, SpoolState};
 use crate::trace::{EventKind, Trace, flag};
+
+/// Share of the speed that a triangle reaches below which NoTriangle takes a junction for standstill.
+const STANDSTILL: f64 = 1e-3;
 
 impl Mcu {
     /// One sample: measure, tasks, spooler and profiles, position loop, status, trace.
@@ -194,7 +196,7 @@ impl Mcu {
                 self.raise(ErrorReg::SpoolerDeepToLess);
             }
             if self.registers.modereg.has(ModeReg::NoTriangle) {
-                self.without_triangle(self.moves[slot].axes, &mut request);
+                Self::without_triangle(&mut request);
             }
         }
         let mv = &mut self.moves[slot];
@@ -202,15 +204,15 @@ impl Mcu {
         mv.planned = true;
     }
 
-    /// NoTriangle (design D16): a move that cannot reach its velocity keeps the higher of its junction speeds. A speed
-    /// that is reached within a count is standstill, else a chain could crawl for minutes behind a tiny last move.
-    fn without_triangle(&self, axes: AxisSet, request: &mut Request) {
+    /// NoTriangle (design D16): a move that cannot reach its velocity keeps the higher of its junction speeds. Less
+    /// than a thousandth of what the triangle reaches is standstill, else a tiny last move would make the one before
+    /// it crawl.
+    fn without_triangle(request: &mut Request) {
         let (v0, v1) = (request.start_v, request.target_v);
         let top_v2 = request.acc * (request.to - request.from) + 0.5 * (v0 * v0 + v1 * v1);
-        let count = |a: usize| self.axes[a].parameters.scale / self.axes[a].parameters.counts_per_unit;
-        let standstill_v2 = 2.0 * request.acc * axes.iter().map(count).fold(f64::INFINITY, f64::min);
-        if top_v2 < request.max_v * request.max_v && v0.max(v1).powi(2) >= standstill_v2 {
-            request.max_v = v0.max(v1);
+        let kept_v = v0.max(v1);
+        if top_v2 < request.max_v * request.max_v && kept_v > STANDSTILL * top_v2.sqrt() {
+            request.max_v = kept_v;
         }
     }
 

@@ -198,7 +198,7 @@ fn notriangle_goes_on_with_the_higher_junction_velocity() {
     assert!(most(&run(&mut m).v_plan) > 30.0);
 }
 
-/// Design D16: a junction slower than a count in a sample is standstill, or a chain would crawl for minutes.
+/// Design D16: a junction slower than a thousandth of the triangle is standstill, or the first move would crawl.
 #[test]
 fn notriangle_does_not_crawl_to_a_tiny_last_move() {
     let samples = |modereg: ModeReg| {

@@ -244,7 +244,7 @@ fn nothing_to_travel_is_discarded() {
     assert_eq!(line(&mut m, &[0.0, 0.0], 10.0, 100.0, 0.0), Entered::Discarded);
     assert_eq!(line(&mut m, &[1e-12, 0.0], 10.0, 100.0, 0.0), Entered::Discarded);
     assert_eq!(arc(&mut m, [1.0, 0.0], 0.0, &[], 10.0, 100.0, 0.0), Entered::Discarded);
-    assert!(m.errorreg().names().eq(["ZeroProfile"]));
+    assert!(m.errorreg().names().eq(["CheckMonitorScreen", "ZeroProfile"]));
     line(&mut m, &[1.0, 0.0], 10.0, 100.0, 0.0);
     assert_eq!(dp(&run(&mut m), 0).last(), Some(&1.0));
 }
