@@ -60,12 +60,14 @@ fn job(modereg: ModeReg) -> (Vec<f64>, Vec<f64>, ErrorReg, Vec<Axst>) {
     let (mut dp, mut rp) = (trace.dp.clone(), trace.rp.clone());
     m.utrovr(all);
     m.pass(800, &mut trace);
-    (dp.extend(&trace.dp), rp.extend(&trace.rp));
+    dp.extend(&trace.dp);
+    rp.extend(&trace.rp);
     m.ms(set(&[0, 1]));
     m.ja(&AxisList::new(&[2]), &[350.0]);
     m.pass(500, &mut trace);
     line(&mut m, &[0.0, 0.0], 0.0, 300.0, 0.0);
-    (dp.extend(&trace.dp), rp.extend(&trace.rp));
+    dp.extend(&trace.dp);
+    rp.extend(&trace.rp);
     (dp, rp, m.errorreg(), (0..3).map(|a| m.axst(a)).collect())
 }
 
@@ -130,9 +132,9 @@ fn lookahead_limits_circles_by_the_smallest_maxacc_of_their_plane() {
         (0..3).for_each(|a| m.parameters_mut(a).maxacc = maxacc[a]);
         arc(&mut m, [4.0, 0.0], 720.0, &[0.0], 60.0, 2000.0, 0.0);
         let trace = run(&mut m);
-        for a in 0..2 {
+        for (a, most) in maxacc.iter().copied().enumerate().take(2) {
             let v = speeds(&trace, a, 0.0);
-            let limit = if maxacc[a] > 0.0 && modereg.has(ModeReg::LookAhead) { maxacc[a] } else { f64::INFINITY };
+            let limit = if most > 0.0 && modereg.has(ModeReg::LookAhead) { most } else { f64::INFINITY };
             let cruising = v[v.len() / 3..v.len() * 2 / 3].windows(2).all(|w| (w[1] - w[0]).abs() <= limit * TA * 1.01);
             assert!(cruising, "axis {a} within its maxacc");
         }
