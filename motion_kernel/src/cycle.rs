@@ -1,5 +1,6 @@
 //! One sample interval, top to bottom (design 4.2).
 
+use crate::axes::AxisSet;
 use crate::axis::{Axis, Doing, Wait};
 use crate::mcu::{Mcu, PointCache, WAIT_CI};
 use crate::path::point;
