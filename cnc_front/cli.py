@@ -59,6 +59,13 @@ def _level(text: str) -> int:
     return int(text)
 
 
+def _block(text: str) -> str:
+    digits = text[1:] if text[:1] in "Nn" else text
+    if not (digits.isascii() and digits.isdigit() and len(digits) <= 8):
+        raise argparse.ArgumentTypeError(f"'{text}' is neither a line (57) nor a block number (N120)")
+    return text.upper()
+
+
 def build_parser() -> Parser:
     """All commands and options of design 3.1."""
     common = Parser(add_help=False)
@@ -72,6 +79,10 @@ def build_parser() -> Parser:
     compiling.add_argument("--optional-stop", action="store_true", help="M01 stops")
     compiling.add_argument("--skip", metavar="N", type=_level, action="append", default=[], help="skip blocks /N")
 
+    part = Parser(add_help=False)
+    part.add_argument("--from", dest="start", metavar="N", type=_block, help="begin at line 57 or block N120")
+    part.add_argument("--to", dest="stop", metavar="N", type=_block, help="end behind that line or block")
+
     parser = Parser(
         prog="cnc-front",
         description="Dry-run part programs on an emulated APCI-8001/8008; see how true the machine stays to the path.",
@@ -81,7 +92,7 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"cnc-front {VERSION}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
 
-    run = commands.add_parser("run", parents=[compiling], help="dry-run a job and judge it")
+    run = commands.add_parser("run", parents=[compiling, part], help="dry-run a job and judge it")
     run.add_argument("job", metavar="JOB")
     run.add_argument("--override", metavar="SCHEDULE", default="1", help="0.5 or 0:1.0,2.5:0.5 (seconds:factor)")
     run.add_argument("--record", metavar="F.mcap", help="write a recording")
@@ -90,9 +101,10 @@ def build_parser() -> Parser:
     run.add_argument("--max-time", metavar="S", type=_seconds, default=86400.0, help="bound on machine and wall time")
     run.add_argument("--json", action="store_true", help="the result as one JSON object")
 
-    check = commands.add_parser("check", parents=[compiling], help="compile only")
+    check = commands.add_parser("check", parents=[compiling, part], help="compile only")
     check.add_argument("jobs", metavar="JOB", nargs="+")
-    translate = commands.add_parser("translate", parents=[compiling], help="list the spooled commands")
+    check.add_argument("--strict", action="store_true", help="warn of what runs but smells")
+    translate = commands.add_parser("translate", parents=[compiling, part], help="list the spooled commands")
     translate.add_argument("job", metavar="JOB")
     translate.add_argument("--json", action="store_true", help="JSON Lines")
     report = commands.add_parser("report", parents=[common], help="report from a recording")

@@ -26,7 +26,9 @@ from cnc_front.messages import language_from, text
 
 
 def _compile_options(options: argparse.Namespace) -> CompileOptions:
-    return CompileOptions(options.profile, options.optional_stop, tuple(options.skip), options.language)
+    part = (getattr(options, "start", None), getattr(options, "stop", None))
+    skip, strict = tuple(options.skip), getattr(options, "strict", False)
+    return CompileOptions(options.profile, options.optional_stop, skip, options.language, *part, strict)
 
 
 def _print_diagnostics(diagnostics: tuple[Diagnostic, ...], options: argparse.Namespace) -> None:
@@ -52,6 +54,15 @@ def _print_warnings(warnings: tuple[Diagnostic, ...], options: argparse.Namespac
                 "more_warnings", language_from(options.lang), which=warning.id, count=counts[warning.id] - PER_ID
             )
             print(f"{warning.file}: {more}", file=sys.stderr)
+
+
+def _print_start(job: CompiledJob, options: argparse.Namespace) -> None:
+    """What the operator must know where the program begins in the middle."""
+    if job.facts["start"] is not None and not options.quiet:
+        from cnc_front.search import start_text
+
+        units = dict(zip(job.machine.machine.axis_names, job.machine.machine.units, strict=True))
+        print(start_text(job.facts["start"], units, language_from(options.lang)), file=sys.stderr)
 
 
 def _load(path: str, options: argparse.Namespace) -> CompiledJob:
@@ -93,6 +104,7 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
             print(json.dumps(failed_object(*args), allow_nan=False))
         return Exit.BAD_INPUT
     _print_warnings(job.warnings, options)
+    _print_start(job, options)
     from cnc_front.deliver import run_and_write
 
     result, verdict, run_object = run_and_write(job, run_options, options.tolerance, record, report, language)
@@ -141,7 +153,8 @@ def check(options: argparse.Namespace) -> int:
 def translate(options: argparse.Namespace) -> int:
     """`cnc-front translate`."""
     job = _load(options.job, options)
-    sys.stdout.writelines(line + "\n" for line in job.program.listing(options.json))
+    _print_start(job, options)
+    sys.stdout.writelines(job.program.listing(job.source.data, options.json))
     return Exit.DONE
 
 

@@ -81,6 +81,11 @@ class CompileOptions:
     optional_stop: bool = False
     block_delete: Sequence[int] = field(default=())
     language: str | None = None
+    #: first and last block of the part that is wanted: "N120", or "57" for a line
+    start: str | None = None
+    stop: str | None = None
+    #: warnings of the linter too
+    strict: bool = False
 
 
 def read_bytes(path: str, limit: int, id: str) -> bytes:
@@ -151,6 +156,9 @@ def diagnose(
         block_delete=list(options.block_delete),
         check_only=check_only,
         library=str(Path(source.path).parent),
+        start=options.start,
+        stop=options.stop,
+        strict=options.strict,
     )
     return program, tuple(Diagnostic(*row) for row in rows), facts
 

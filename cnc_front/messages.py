@@ -61,6 +61,12 @@ TEXTS: dict[str, tuple[str, str]] = {
         "{count} more {which} (cnc-front check names them all)",
         "{count} weitere {which} (cnc-front check nennt alle)",
     ),
+    "start": (
+        "start at line {line}: {modal}\n  position {position}\n  machine  {machine}\n  offset   {offset}\n"
+        "  tool {tool}, length {length} mm; spindle {spindle}; coolant {coolant}; {feed}",
+        "Start in Zeile {line}: {modal}\n  Position  {position}\n  Maschine  {machine}\n  Nullpunkt {offset}\n"
+        "  Werkzeug {tool}, Länge {length} mm; Spindel {spindle}; Kühlmittel {coolant}; {feed}",
+    ),
     "hint": ("hint", "Hinweis"),
     "log_event": ("{t_s:10.3f} s  line {line}: {kind} {text}", "{t_s:10.3f} s  Zeile {line}: {kind} {text}"),
 }

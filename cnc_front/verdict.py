@@ -153,6 +153,7 @@ def run_object(result: RunResult, verdict: Verdict, files: dict[str, str | None]
             "error_register": execution.mcu.status()["errorreg"],
             "output": execution.output.splitlines(),
             "files": files,
+            "start": job.facts["start"],
             "diagnostics": [d.as_json() for d in job.warnings],
             "verdict": {
                 "word": verdict.word,

@@ -32,7 +32,7 @@ class Program:
 
     def listing(self) -> Iterator[dict[str, Any]]:
         """The spooled command sequence, one dict per command (design 3.3)."""
-        return map(json.loads, self.native.listing(True))
+        return (json.loads(line) for piece in self.native.listing(b"", True) for line in piece.splitlines())
 
     def sequence(self) -> dict[str, NDArray[Any]]:
         """Its motion commands as columns: see toolpaths.Path."""
@@ -51,11 +51,13 @@ def compile(
     profile: str | None = None,
     optional_stop: bool = False,
     block_delete: Iterable[int] = (),
+    start: str | None = None,
+    stop: str | None = None,
 ) -> Program:
     """Compiles a part program: its text (str, bytes), or the path of its file (os.PathLike).
 
     `profile` is din, fanuc, linuxcnc or lathe (default: that of the machine file); `block_delete` the levels N
-    of `/N` that are skipped. Subprograms are looked for beside the file. Raises CompileError with every finding,
+    of `/N` that are skipped; `start` and `stop` the first and last block of a part ("N120", or "57" for a line). Subprograms are looked for beside the file. Raises CompileError with every finding,
     OSError where a file cannot be read.
     """
     library = None
@@ -72,6 +74,8 @@ def compile(
         optional_stop=optional_stop,
         block_delete=list(block_delete),
         library=library,
+        start=start,
+        stop=stop,
     )
     diagnostics = tuple(Diagnostic(*row) for row in rows)
     if program is None:

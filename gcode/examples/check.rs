@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use gcode::{Options, compile, listing_text};
+use gcode::{Options, Sheet, compile};
 use motion_kernel::autocode::Program;
 use motion_kernel::machine::{Machine, Profile};
 use motion_kernel::trace::Trace;
@@ -54,7 +54,10 @@ fn main() {
             merged.blocks, merged.max_mm
         );
         if let (Some(program), true) = (&compiled.program, list) {
-            listing_text(program, &machine).for_each(|row| println!("{row}"));
+            let mut sheet = Sheet::new(program, &machine, &source, false);
+            while let Some(piece) = sheet.piece(program, &machine, &source) {
+                print!("{piece}");
+            }
         }
         if let (Some(program), true) = (compiled.program, run) {
             println!("{file}: {}", execute(program, &machine));

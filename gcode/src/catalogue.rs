@@ -152,7 +152,8 @@ catalogue! {
     GC614 "M17/M29/M99 outside a subprogram" "end the main program with M30";
     GC615 "M02/M30 inside a subprogram" "end subprograms with M17 or M99";
     GC616 "repeat count {v} outside 0..9999" "correct the count";
-    GC617 "restart block N{v} not found" "check the block number";
+    GC617 "{v}, where the part begins or ends, is not there or not executed" "check the number; N120 is a block, 120 a line";
+    GC618 "the program cannot start at line {n}: {reason}" "start at a block before, at the level of the main program";
 
     GC701 "variable #{n} does not exist or is read-only" "use #1..#33, #100..#199, #500..#999";
     GC702 "variable {v} is empty" "assign it before";
@@ -220,4 +221,9 @@ catalogue! {
     GW933 "G00 without axis words" "";
     GW934 "program uses inch with metric-looking values ({v} in)" "check G20/G21";
     GW935 "tool change without tool table entry (T{v})" "add the tool to the machine file";
+
+    GW941 "feed jumps from {a} to {b} mm/min within the contour" "";
+    GW942 "arc of {v} degrees: the last digit decides between nothing and a full circle" "";
+    GW943 "rapid across at {axis} {a}, below the last retract to {b}" "";
+    GW944 "subprogram {name} is never called" "";
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::codes::{Decision, GCode, Group, g_code};
 use crate::diagnostics::Id;
+use crate::part::At;
 pub use motion_kernel::machine::ArcCentre;
 use motion_kernel::machine::{DwellUnit, Machine, Profile};
 
@@ -24,6 +25,11 @@ pub struct Options {
     /// Subprograms in other files.
     pub library: Option<Library>,
     pub limits: Limits,
+    /// First and last block of the part that is wanted.
+    pub from: Option<At>,
+    pub to: Option<At>,
+    /// Warnings of the linter too.
+    pub strict: bool,
 }
 
 /// Size and count limits; tests lower them.

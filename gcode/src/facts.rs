@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use crate::group::Point;
 use crate::modal::Codes;
+use crate::part::Start;
 use crate::sink::Merged;
 
 /// Facts per source line, kept as changes: cheap for programs of a million blocks.
@@ -27,6 +28,8 @@ pub struct Facts {
     /// Blocks executed, and lines read.
     pub blocks: u64,
     pub lines: u32,
+    /// State at the first block of a part.
+    pub start: Option<Start>,
 }
 
 impl Facts {
@@ -43,6 +46,7 @@ impl Facts {
             merged: Merged::default(),
             blocks: 0,
             lines: 0,
+            start: None,
         }
     }
     /// Notes the modal codes of a line.

@@ -1,7 +1,7 @@
 //! Subprograms, jumps and loops (docs/dialect.md, sections 3 and 15.3): where the next line comes from.
 
 use std::cell::OnceCell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use crate::block::{Block, OWord, Statement};
 use crate::diagnostics::{Check, Fault, Id, Span};
@@ -70,6 +70,8 @@ pub(crate) struct Flows<'s> {
     max_calls: usize,
     library: Option<crate::dialect::Library>,
     main_line: u32,
+    /// Names of the subprograms that were called.
+    pub called: HashSet<String>,
     /// Statements executed and lines passed over by searches, they count toward GC602.
     pub scanned: u64,
 }
@@ -90,6 +92,7 @@ impl<'s> Flows<'s> {
             max_calls: options.limits.calls,
             library: options.library.clone(),
             main_line: 0,
+            called: HashSet::new(),
             scanned: 0,
         }
     }
@@ -126,6 +129,18 @@ impl<'s> Flows<'s> {
     }
     pub fn main_source(&self) -> &'s [u8] {
         self.sources[0].1
+    }
+    pub fn main_name(&self) -> &'s str {
+        self.sources[0].0
+    }
+    pub fn in_loop(&self) -> bool {
+        !self.loops.is_empty()
+    }
+    /// Subprograms of the main file: line and name, in order.
+    pub fn definitions(&mut self) -> Vec<(u32, String)> {
+        let mut all: Vec<_> = self.index(0).subprograms.iter().map(|(name, s)| (s.1, name.clone())).collect();
+        all.sort_unstable();
+        all
     }
     pub fn starts_subprogram(&self, name: &[u8]) -> bool {
         subprogram_name(name).is_some()
@@ -166,6 +181,7 @@ impl<'s> Flows<'s> {
             return Err(Fault::with(Id::GC601, call.span, &[&self.max_calls]));
         }
         let (file, start) = self.find(&call)?;
+        self.called.insert(call.name.clone());
         if call.count == 0 {
             return Ok(Turn::Go);
         }

@@ -1,4 +1,4 @@
-//! The spooled command sequence as text: JSON Lines of design 3.3, or a table to read beside the source.
+//! The spooled command sequence as JSON Lines of design 3.3.
 
 use std::fmt::Write;
 
@@ -7,57 +7,24 @@ use motion_kernel::machine::Machine;
 
 use crate::sequence::Radii;
 
-/// One JSON object per command, in execution order.
-pub fn listing_json<'a>(program: &'a Program, machine: &'a Machine) -> impl Iterator<Item = String> + 'a {
-    let mut radii = Radii::new(machine);
-    commands(program).flat_map(move |(line, instr)| match instr {
-        Instr::EffRadius(_) | Instr::Number(_) => {
-            radii.follow(&instr, program);
-            Vec::new()
+/// The objects of one instruction, one a line: none, one, or one per axis of a spool function.
+pub(crate) fn objects(program: &Program, machine: &Machine, radii: &Radii, line: u32, instr: Instr, out: &mut String) {
+    match instr {
+        Instr::Spool(number) => {
+            out.push_str(&move_json(program, machine, radii, line, &program.moves[number as usize]));
+            out.push('\n');
         }
-        Instr::Spool(number) => vec![move_json(program, machine, &radii, line, &program.moves[number as usize])],
         Instr::Ssf(number) => {
             let ssf = &program.ssfs[number as usize];
-            let object = |axis: usize| {
-                let name = json_string(&machine.axes[axis].name);
-                format!(
-                    r#"{{"cmd":"ssf","line":{line},"axis":{name},"command":{},"value":{}}}"#,
-                    ssf.command,
-                    number_json(ssf.value)
-                )
-            };
-            ssf.axes.iter().map(object).collect()
+            for axis in ssf.axes.iter() {
+                let (name, value) = (json_string(&machine.axes[axis].name), number_json(ssf.value));
+                let command = ssf.command;
+                let _ =
+                    writeln!(out, r#"{{"cmd":"ssf","line":{line},"axis":{name},"command":{command},"value":{value}}}"#);
+            }
         }
-        _ => Vec::new(),
-    })
-}
-
-/// A table: line, command, data.
-pub fn listing_text<'a>(program: &'a Program, machine: &'a Machine) -> impl Iterator<Item = String> + 'a {
-    let mut radii = Radii::new(machine);
-    commands(program).filter_map(move |(line, instr)| match instr {
-        Instr::EffRadius(axis) if radii.follow(&instr, program) => {
-            let name = &machine.axes[usize::from(axis)].name;
-            Some(format!("{line:>6}  wrEffRadius  {name} {}", radii.now[usize::from(axis)]))
-        }
-        Instr::Number(_) => {
-            radii.follow(&instr, program);
-            None
-        }
-        Instr::Spool(number) => Some(move_text(program, machine, line, &program.moves[number as usize])),
-        Instr::Ssf(number) => {
-            let ssf = &program.ssfs[number as usize];
-            let axes: Vec<&str> = ssf.axes.iter().map(|a| machine.axes[a].name.as_str()).collect();
-            Some(format!("{line:>6}  ssf   {}  {} {}", axes.join("|"), ssf.command, ssf.value))
-        }
-        Instr::Drain(_) => Some(format!("{line:>6}  drain")),
-        Instr::Halt => Some(format!("{line:>6}  end")),
-        _ => None,
-    })
-}
-
-fn commands(program: &Program) -> impl Iterator<Item = (u32, Instr)> + '_ {
-    program.lines.iter().copied().zip(program.code.iter().copied())
+        _ => {}
+    }
 }
 
 /// A finite number as the shortest JSON text that reads back the same.
@@ -116,20 +83,4 @@ fn move_json(program: &Program, machine: &Machine, radii: &Radii, line: u32, mv:
         let _ = write!(out, r#","effradius":{}"#, axes_json(machine, rotary));
     }
     out + "}"
-}
-
-fn move_text(program: &Program, machine: &Machine, line: u32, mv: &Move) -> String {
-    let axes = program.axes_of(mv);
-    let targets = axes.iter().zip(program.targets_of(mv));
-    let targets: Vec<String> = targets.map(|(a, v)| format!("{}{v:.4}", machine.axes[a].name)).collect();
-    let mut out = format!("{line:>6}  {}  {}", mv.kind.name(), targets.join(" "));
-    if !mv.kind.is_linear() {
-        let _ = write!(out, "  centre ({:.4}, {:.4}) phi {:.4}", mv.center[0], mv.center[1], mv.phi);
-    }
-    let rapid = if mv.rapid { " rapid" } else { "" };
-    let _ = write!(out, "  vl {:.4} ac {} tvl {:.4}{rapid}", mv.vl, mv.ac, mv.tvl);
-    if mv.vias.1 > mv.vias.0 {
-        let _ = write!(out, "  ({} merged)", mv.vias.1 - mv.vias.0);
-    }
-    out
 }

@@ -138,6 +138,7 @@ impl Translator<'_> {
     /// A straight move to a resolved target.
     #[inline]
     pub(crate) fn line_to(&mut self, block: &Block, target: &Target, rapid: bool) -> Check<()> {
+        self.lint_line(block, target, rapid);
         let lengths = Lengths::of(&self.group, &self.state.machine, &target.machine, None);
         let vl = if rapid || lengths.path < NOTHING { 0.0 } else { self.path_speed(block, &lengths)? };
         self.state.program = target.program;
@@ -274,6 +275,7 @@ impl Translator<'_> {
         self.circle_to(block, &target, circle)
     }
     fn circle_to(&mut self, block: &Block, target: &Target, circle: Circle) -> Check<()> {
+        self.lint_arc(block, &circle);
         if self.state.modal.cutting_speed {
             self.drive(&target.program);
         }

@@ -10,6 +10,7 @@ use crate::expression::Environment;
 use crate::facts::Facts;
 use crate::flow::{Files, Flows, Turn};
 use crate::parser;
+use crate::part::Part;
 use crate::seen::Numbers;
 use crate::source::{Lines, Mark, check_length, check_text};
 use crate::statements::head_length;
@@ -95,6 +96,9 @@ pub(crate) struct Run<'t, 'm, 's> {
     main_loop: (u32, Mark),
     last: (u32, Span, &'s [u8]),
     faults: Vec<Fault>,
+    pub part: Part,
+    /// Line of the O number of the main program.
+    pub program_line: u32,
 }
 
 /// Warnings that are given once.
@@ -130,11 +134,16 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             main_loop: (0, Mark::default()),
             last: (1, Span::default(), b" "),
             faults: Vec::new(),
+            part: Part::default(),
+            program_line: 0,
         }
     }
 
     fn run(&mut self) {
         let mut block = Block::default();
+        if let Err(fault) = self.find_part() {
+            return self.report(1, b" ", &fault);
+        }
         self.skip_leader(&mut block);
         self.main_loop.0 = self.t.dialect.main_loop;
         while !self.reports.stopped() {
@@ -231,6 +240,9 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         if self.t.dialect.integer_increment > 0.0 {
             self.note_increments(line, text, block);
         }
+        if !self.within_part(line) {
+            return;
+        }
         self.last = (line, block.span, text);
         if let Some(n) = block.word(b'N')
             && self.flows.is_first_pass(line)
@@ -282,6 +294,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
                 self.next_program();
                 return Ok(Flow::Next);
             }
+            self.program_line = block.line;
             if block.mask == 0 && block.g.is_empty() && block.m.is_empty() {
                 return Ok(Flow::Next);
             }
@@ -346,7 +359,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         }
     }
 
-    fn program_end(&mut self, kind: Option<&str>) {
+    pub(crate) fn program_end(&mut self, kind: Option<&str>) {
         if let Some(kind) = kind
             && !self.ended
         {
@@ -387,6 +400,9 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         self.reports.add(Place { file_index, file, line, text }, fault);
     }
 
+    pub(crate) fn reports_to_main(&mut self, line: u32, text: &[u8], fault: &Fault) {
+        self.reports.add(Place { file_index: 0, file: self.flows.main_name(), line, text }, fault);
+    }
     /// `%`: start of the program, its end, or the start of another one.
     fn tape_mark(&mut self, line: u32, text: &[u8]) {
         let trimmed = text[head_length(text)..].trim_ascii();
@@ -453,6 +469,8 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
 
     fn finish(&mut self) {
         self.t.facts.lines = self.flows.lines.mark().line - 1;
+        self.check_part();
+        self.lint_subprograms();
         if !self.any_block {
             self.report(1, b" ", &Fault::new(Id::GC113, Span::new(0, 1)));
         } else if !self.ended {

@@ -151,6 +151,15 @@ impl Sink {
     pub fn set(&self) -> AxisSet {
         self.group.set()
     }
+    /// The commands so far; the next one starts from where the axes stand before the program.
+    pub(crate) fn begin_again(&mut self, start_fill: u32) -> Program {
+        let mut builder = Builder::new(self.group.set(), if self.keep { start_fill } else { 0 });
+        self.list = builder.axis_list(AxisList::new(&self.group.axes.iter().map(|a| a.axis).collect::<Vec<_>>()));
+        self.circle_lists.clear();
+        (self.position, self.low, self.high) = (self.group.start, self.group.start, self.group.start);
+        (self.previous, self.merged) = (None, Merged::default());
+        std::mem::replace(&mut self.builder, builder).finish()
+    }
     /// Nothing more is kept: an error was found.
     pub fn drop_program(&mut self) {
         if self.keep {

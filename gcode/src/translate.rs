@@ -9,6 +9,7 @@ use crate::dialect::{Dialect, Options};
 use crate::facts::Facts;
 use crate::frame::Frame;
 use crate::group::{ContourGroup, Point, SLOTS};
+use crate::lint::Lint;
 use crate::modal::{Codes, FeedMode, Modal, MotionMode, Plane, State};
 use crate::sink::Sink;
 
@@ -62,6 +63,7 @@ pub struct Translator<'a> {
     /// Tool lengths that G10 has set.
     pub(crate) tool_lengths: std::collections::HashMap<u32, f64>,
     modal_shown: Option<Codes>,
+    pub(crate) lint: Lint,
 }
 
 /// A resolved target.
@@ -113,6 +115,7 @@ impl<'a> Translator<'a> {
             used: 0,
             tool_lengths: std::collections::HashMap::new(),
             modal_shown: None,
+            lint: Lint::default(),
             group,
         }
     }

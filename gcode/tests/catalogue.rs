@@ -6,7 +6,7 @@ mod common;
 use std::collections::BTreeSet;
 
 use common::{example, mill3};
-use gcode::{CATALOGUE, Compiled, Limits, Options, compile};
+use gcode::{At, CATALOGUE, Compiled, Limits, Options, compile};
 use motion_kernel::machine::{Machine, Profile};
 
 /// (id, line, column, end column, program)
@@ -195,7 +195,7 @@ const ON_MILL3: &[Row] = &[
 ];
 
 /// Ids that the application finds, not the compiler: each has a scene in tests/app/test_catalogue.py.
-const APPLICATION: &[&str] = &["GC112", "GC114", "GC617", "GC803", "GC805", "GC806", "GC809", "GC810"];
+const APPLICATION: &[&str] = &["GC112", "GC114", "GC803", "GC805", "GC806", "GC809", "GC810"];
 
 fn find<'c>(compiled: &'c Compiled, id: &str, line: u32) -> Option<&'c gcode::Diagnostic> {
     compiled.diagnostics.iter().find(|d| d.id == id && d.line == line)
@@ -243,6 +243,13 @@ fn limited(limits: Limits, row: Row) -> Scene {
     Scene { row, machine: mill3(), options: Options { limits, ..Options::default() } }
 }
 
+fn part(from: At, row: Row) -> Scene {
+    Scene { row, machine: mill3(), options: Options { from: Some(from), ..Options::default() } }
+}
+fn strict(row: Row) -> Scene {
+    Scene { row, machine: mill3(), options: Options { strict: true, ..Options::default() } }
+}
+
 fn scenes() -> Vec<Scene> {
     let rotary = |row: Row| on(example("mill4a"), row);
     let cylinder = |row: Row| on(example("mill4c"), row);
@@ -283,6 +290,14 @@ fn scenes() -> Vec<Scene> {
         }),
         with(("GW916", 2, 1, 3, "M3 S600\nG33 Z-2 K1\nM30\n"), |m| m.gcode.dialect.thread_as_feed = Some(true)),
         with(("GW919", 2, 1, 3, "M3 S600\nG84 Z-2 R1 F600\nM30\n"), |m| m.gcode.dialect.tapping_floating = Some(true)),
+        part(At::Block(77), ("GC617", 1, 1, 1, "N10 G0 X1\nM30\n")),
+        part(At::Line(2), ("GC617", 1, 1, 1, "GOTO 5\nG0 X1\nN5 M30\n")),
+        part(At::Line(4), ("GC618", 4, 1, 1, "L5\nM30\n%L5\nG0 X1\nM17\n")),
+        part(At::Block(5), ("GC605", 1, 1, 1, "N5 G0 X1\nN5 X2\nM30\n")),
+        strict(("GW941", 3, 5, 9, "G1 X5 F100\nY5 F300\nX10 F2000\nM30\n")),
+        strict(("GW942", 2, 1, 37, "G0 X10\nG3 X9.99996192 Y0.0872653550 I-10 F99\nM30\n")),
+        strict(("GW943", 4, 4, 6, "G0 Z5\nX5\nG1 Z-1 F100\nG0 X10\nM30\n")),
+        strict(("GW944", 3, 1, 3, "L6\nM30\n%L5\nM17\n%L6\nM17\n")),
         on(wide(), ("GW934", 2, 4, 6, "G0 X1\nG0 G20 X100\nX5\nM30\n")),
     ]
 }

@@ -1,9 +1,9 @@
 //! `cnc_front._native.gcode`: part programs compiled to autocode.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
-use gcode::{Compiled, Library, Options};
+use gcode::{At, Compiled, Library, Options};
 use motion_kernel::autocode;
 use motion_kernel::machine::{self, Profile};
 use numpy::{IntoPyArray, PyArrayMethods};
@@ -15,7 +15,15 @@ use crate::machine::{Machine, Row};
 
 pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Program>()?;
+    module.add_class::<Listing>()?;
+    module.add_function(wrap_pyfunction!(catalogue, module)?)?;
     module.add_function(wrap_pyfunction!(compile, module)?)
+}
+
+/// Every id with its message (placeholders in braces) and hint.
+#[pyfunction]
+fn catalogue() -> Vec<(&'static str, &'static str, &'static str)> {
+    gcode::CATALOGUE.iter().map(|(_, name, message, hint)| (*name, *message, *hint)).collect()
 }
 
 /// A compiled program and what is known about it.
@@ -27,9 +35,9 @@ pub struct Program {
 
 /// Compiles a part program: (Program or None, diagnostics, facts). Diagnostics are rows of
 /// (file, line, column, end_column, id, message, hint). Options: profile, optional_stop, block_delete (list of
-/// levels), check_only, library (folder of subprograms).
+/// levels), check_only, library (folder of subprograms), start and stop (a part: "N120" or a line), strict (linter).
 #[pyfunction]
-#[pyo3(signature = (source, filename, machine, *, profile=None, optional_stop=false, block_delete=Vec::new(), check_only=false, library=None))]
+#[pyo3(signature = (source, filename, machine, *, profile=None, optional_stop=false, block_delete=Vec::new(), check_only=false, library=None, start=None, stop=None, strict=false))]
 #[allow(clippy::too_many_arguments)] // keyword options of one call
 fn compile<'py>(
     py: Python<'py>,
@@ -41,6 +49,9 @@ fn compile<'py>(
     block_delete: Vec<u8>,
     check_only: bool,
     library: Option<PathBuf>,
+    start: Option<&str>,
+    stop: Option<&str>,
+    strict: bool,
 ) -> PyResult<(Option<Program>, Vec<Row>, Bound<'py, PyDict>)> {
     let options = Options {
         profile: profile.map(profile_of).transpose()?,
@@ -48,6 +59,9 @@ fn compile<'py>(
         block_delete: block_delete.iter().filter(|&&level| level < 10).fold(0, |bits, level| bits | 1 << level),
         check_only,
         library: library.map(folder),
+        from: start.map(block_at).transpose()?,
+        to: stop.map(block_at).transpose()?,
+        strict,
         ..Options::default()
     };
     let target = machine.inner.clone();
@@ -69,6 +83,13 @@ fn profile_of(name: &str) -> PyResult<Profile> {
         "lathe" => Ok(Profile::Lathe),
         _ => Err(PyValueError::new_err("profile is din, fanuc, linuxcnc or lathe")),
     }
+}
+
+/// `N120` is a block number, `120` a line.
+fn block_at(text: &str) -> PyResult<At> {
+    let digits = text.strip_prefix(['N', 'n']);
+    let number = digits.unwrap_or(text).parse().map_err(|_| PyValueError::new_err(format!("'{text}' is no block")))?;
+    Ok(if digits.is_some() { At::Block(number) } else { At::Line(number) })
 }
 
 /// Subprograms in the folder of the program; names never leave it (GC604).
@@ -97,6 +118,53 @@ fn facts_dict<'py>(py: Python<'py>, compiled: &Compiled, machine: &machine::Mach
         extents.set_item(&machine.axes[axis].name, (facts.low[slot], facts.high[slot]))?;
     }
     dict.set_item("extents", extents)?;
+    dict.set_item("start", facts.start.as_ref().map(|start| start_dict(py, start, machine)).transpose()?)?;
+    Ok(dict)
+}
+
+/// The listing of a program, piece by piece.
+#[pyclass(frozen, module = "cnc_front._native.gcode")]
+pub struct Listing {
+    program: Arc<autocode::Program>,
+    machine: Arc<machine::Machine>,
+    source: Vec<u8>,
+    sheet: Mutex<gcode::Sheet>,
+}
+
+#[pymethods]
+impl Listing {
+    fn __iter__(this: PyRef<'_, Self>) -> PyRef<'_, Self> {
+        this
+    }
+    fn __next__(&self, py: Python<'_>) -> Option<String> {
+        let next = || self.sheet.lock().expect("no panic inside").piece(&self.program, &self.machine, &self.source);
+        py.detach(next)
+    }
+}
+
+/// State at the first block of a part; positions by axis name.
+fn start_dict<'py>(py: Python<'py>, start: &gcode::Start, machine: &machine::Machine) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    let by_axis = |values: &[f64]| -> PyResult<Bound<'py, PyDict>> {
+        let named = PyDict::new(py);
+        for (axis, value) in machine.group().iter().zip(values) {
+            named.set_item(&machine.axes[axis].name, value)?;
+        }
+        Ok(named)
+    };
+    dict.set_item("line", start.line)?;
+    dict.set_item("modal", &start.modal)?;
+    dict.set_item("machine", by_axis(&start.machine)?)?;
+    dict.set_item("program", by_axis(&start.program)?)?;
+    dict.set_item("shift", by_axis(&start.shift)?)?;
+    dict.set_item("in_spindle", start.in_spindle)?;
+    dict.set_item("tool", start.tool)?;
+    dict.set_item("tool_length", start.tool_length)?;
+    dict.set_item("spindle", start.spindle)?;
+    dict.set_item("speed", start.speed)?;
+    dict.set_item("flood", start.coolant[0])?;
+    dict.set_item("mist", start.coolant[1])?;
+    dict.set_item("feed", start.feed)?;
     Ok(dict)
 }
 
@@ -113,13 +181,10 @@ impl Program {
     fn events(&self) -> Vec<(u32, String, String)> {
         self.inner.events.iter().map(|e| (e.line, e.kind.clone(), e.text.clone())).collect()
     }
-    /// JSON Lines of design 3.3, or the table for people.
-    fn listing(&self, json: bool) -> Vec<String> {
-        if json {
-            gcode::listing_json(&self.inner, &self.machine).collect()
-        } else {
-            gcode::listing_text(&self.inner, &self.machine).collect()
-        }
+    /// JSON Lines of design 3.3, or the sheet to be read beside the source: pieces of whole lines.
+    fn listing(&self, source: Vec<u8>, json: bool) -> Listing {
+        let sheet = Mutex::new(gcode::Sheet::new(&self.inner, &self.machine, &source, json));
+        Listing { program: self.inner.clone(), machine: self.machine.clone(), source, sheet }
     }
     /// The motion commands as columns (see gcode::SequenceColumns).
     fn sequence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
