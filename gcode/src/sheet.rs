@@ -157,7 +157,7 @@ fn function_text(program: &Program, machine: &Machine, ssf: &Ssf) -> String {
         spool::HALT => "halt".to_owned(),
         spool::SET_OUTPUTS => format!("set output {}", lines(ssf.value)),
         spool::RESET_OUTPUTS => format!("reset output {}", lines(ssf.value)),
-        spool::WAIT => format!("wait {} s", ssf.value * 64e-6),
+        spool::WAIT => format!("wait {} s", (ssf.value * 64.0).round() / 1e6),
         spool::WAIT_INPUTS => format!("wait for input {}", lines(ssf.value)),
         spool::WAIT_HOST => "wait for the application".to_owned(),
         command if command < 1000 => format!("CI{command} = {}", ssf.value),
