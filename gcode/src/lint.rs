@@ -54,7 +54,7 @@ impl Translator<'_> {
         }
         self.lint_feed(block);
         let sweep = circle.sweep.abs() % 360.0;
-        if sweep > 0.0 && (sweep < NEAR || sweep > 360.0 - NEAR) {
+        if sweep > 0.0 && !(NEAR..=360.0 - NEAR).contains(&sweep) {
             self.faults.push(Fault::with(Id::GW942, block.span, &[&round(circle.sweep.abs())]));
         }
     }

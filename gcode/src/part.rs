@@ -84,10 +84,10 @@ impl Run<'_, '_, '_> {
             self.program_end(Some("M30"));
             return false;
         }
-        if self.part.from == Some(line) {
-            if let Err(reason) = self.begin_part(line) {
-                self.t.faults.push(Fault::with(Id::GC618, Span::new(0, 1), &[&line, &reason]));
-            }
+        if self.part.from == Some(line)
+            && let Err(reason) = self.begin_part(line)
+        {
+            self.t.faults.push(Fault::with(Id::GC618, Span::new(0, 1), &[&line, &reason]));
         }
         if self.part.to == Some(line) {
             self.part.ending = Some(self.flows.depth());
@@ -123,10 +123,8 @@ fn line_of(source: &[u8], at: At) -> Check<u32> {
     while let Some((line, text)) = lines.next_line() {
         match at {
             At::Line(n) if line >= n && has_words(text) => return Ok(line),
-            At::Block(n) if block_number(text) == Some(n) => {
-                if found.replace(line).is_some() {
-                    return Err(Fault::with(Id::GC605, Span::new(0, 1), &[&n, &"ambiguous"]));
-                }
+            At::Block(n) if block_number(text) == Some(n) && found.replace(line).is_some() => {
+                return Err(Fault::with(Id::GC605, Span::new(0, 1), &[&n, &"ambiguous"]));
             }
             _ => {}
         }

@@ -50,7 +50,7 @@ fn tool_speed_and_outputs_are_sent_again() {
     assert_eq!(value(20_200), Some(2000.0));
     assert_eq!(value(1001), Some(5.0), "spindle on and coolant: outputs 1 and 3");
     // the way down is feeding, the way across is not
-    assert_eq!(program.moves[0].rapid, true);
+    assert!(program.moves[0].rapid);
     assert_eq!((program.moves[1].rapid, program.moves[1].vl), (false, 5.0));
 }
 
