@@ -57,8 +57,9 @@ def compile(
     """Compiles a part program: its text (str, bytes), or the path of its file (os.PathLike).
 
     `profile` is din, fanuc, linuxcnc or lathe (default: that of the machine file); `block_delete` the levels N
-    of `/N` that are skipped; `start` and `stop` the first and last block of a part ("N120", or "57" for a line). Subprograms are looked for beside the file. Raises CompileError with every finding,
-    OSError where a file cannot be read.
+    of `/N` that are skipped; `start` and `stop` the first and last block of a part ("N120", or "57" for a line).
+    Subprograms are looked for beside the file. Raises CompileError with every finding, OSError where a file
+    cannot be read.
     """
     library = None
     if isinstance(source, PathLike):
