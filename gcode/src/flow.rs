@@ -136,11 +136,8 @@ impl<'s> Flows<'s> {
     pub fn in_loop(&self) -> bool {
         !self.loops.is_empty()
     }
-    /// Subprograms of the main file: line and name, in order.
     pub fn definitions(&mut self) -> Vec<(u32, String)> {
-        let mut all: Vec<_> = self.index(0).subprograms.iter().map(|(name, s)| (s.1, name.clone())).collect();
-        all.sort_unstable();
-        all
+        self.index(0).definitions()
     }
     pub fn starts_subprogram(&self, name: &[u8]) -> bool {
         subprogram_name(name).is_some()
