@@ -107,6 +107,8 @@ def build_parser() -> Parser:
     translate = commands.add_parser("translate", parents=[compiling, part], help="list the spooled commands")
     translate.add_argument("job", metavar="JOB")
     translate.add_argument("--json", action="store_true", help="JSON Lines")
+    translate.add_argument("--autocode", action="store_true", help="instructions of a rw_SymPas job or autocode file")
+    translate.add_argument("--output", metavar="F.cnc", help="write the autocode file of a rw_SymPas job")
     report = commands.add_parser("report", parents=[common], help="report from a recording")
     report.add_argument("recording", metavar="RECORDING.mcap")
     report.add_argument("folder", metavar="DIR")

@@ -11,12 +11,13 @@ from collections.abc import Callable
 from typing import Any
 
 from cnc_front.diagnostics import Diagnostic
-from cnc_front.errors import CompileError, Exit
+from cnc_front.errors import CompileError, Exit, UsageError
 from cnc_front.jobs import (
     CompiledJob,
     CompileOptions,
     JobSource,
     MachineFile,
+    compile_autocode,
     compile_job,
     diagnose,
     load_machine,
@@ -28,7 +29,7 @@ from cnc_front.messages import language_from, text
 def _compile_options(options: argparse.Namespace) -> CompileOptions:
     part = (getattr(options, "start", None), getattr(options, "stop", None))
     skip, strict = tuple(options.skip), getattr(options, "strict", False)
-    return CompileOptions(options.profile, options.optional_stop, skip, options.language, *part, strict)
+    return CompileOptions(options.profile, options.optional_stop, skip, options.language, *part, strict, language_from(options.lang))
 
 
 def _print_diagnostics(diagnostics: tuple[Diagnostic, ...], options: argparse.Namespace) -> None:
@@ -152,9 +153,31 @@ def check(options: argparse.Namespace) -> int:
 
 def translate(options: argparse.Namespace) -> int:
     """`cnc-front translate`."""
+    if read_job(options.job, options.language).language != "din66025":
+        return _translate_autocode(options)
+    if options.autocode or options.output:
+        raise UsageError("--autocode and --output are for rw_SymPas jobs and autocode files")
     job = _load(options.job, options)
     _print_start(job, options)
     sys.stdout.writelines(job.program.listing(job.source.data, options.json))
+    return Exit.DONE
+
+
+def _translate_autocode(options: argparse.Namespace) -> int:
+    """Disassembles a rw_SymPas job or an autocode file, or writes the autocode file."""
+    from cnc_front import outputs
+
+    target = outputs.check_autocode(options.output, [options.job]) if options.output else None
+    machine = load_machine(options.machine, options.job)
+    source = read_job(options.job, options.language)
+    program, diagnostics = compile_autocode(source, machine, _compile_options(options))
+    if program is None:
+        raise CompileError(diagnostics)
+    _print_warnings(diagnostics, options)
+    if target is not None:
+        target.write_bytes(program.encode())
+    else:
+        sys.stdout.writelines(line + "\n" for line in program.listing())
     return Exit.DONE
 
 

@@ -16,16 +16,19 @@ class Diagnostic:
     id: str
     message: str
     hint: str = ""
+    #: The source line with a caret below; empty where the compiler gives none.
+    excerpt: str = ""
 
     @property
     def is_warning(self) -> bool:
-        """Warnings never stop a run (GWnnn of the dialect page)."""
-        return self.id.startswith(("GW", "MW"))
+        """Warnings never stop a run (GWnnn of the dialect page, SWnnn of rw_SymPas)."""
+        return self.id.startswith(("GW", "MW", "SW"))
 
     def __str__(self) -> str:
         hint = f"\n  hint: {self.hint}" if self.hint else ""
-        return f"{self.file}:{self.line}:{self.column}: {self.id}: {self.message}{hint}"
+        excerpt = f"\n{self.excerpt}" if self.excerpt else ""
+        return f"{self.file}:{self.line}:{self.column}: {self.id}: {self.message}{excerpt}{hint}"
 
     def as_json(self) -> dict[str, object]:
         """The object of `diagnostics` in `run --json` (design 3.2)."""
-        return asdict(self)
+        return {key: value for key, value in asdict(self).items() if key != "excerpt"}

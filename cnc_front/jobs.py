@@ -12,6 +12,7 @@ from typing import Any
 
 from cnc_front._native import gcode as native_gcode
 from cnc_front._native import motion_kernel as native_kernel
+from cnc_front._native import sympas as native_sympas
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError
 
@@ -86,6 +87,8 @@ class CompileOptions:
     stop: str | None = None
     #: warnings of the linter too
     strict: bool = False
+    #: language of messages
+    messages: str = "en"
 
 
 def read_bytes(path: str, limit: int, id: str) -> bytes:
@@ -116,6 +119,8 @@ def language_of(path: str, data: bytes, asked: str | None) -> str:
     """Design D28: `.src` is rw_SymPas, the autocode magic is autocode, all else DIN 66025."""
     if asked is not None:
         return asked
+    if data.startswith(native_sympas.MAGIC):
+        return "autocode"
     return "sympas" if path.lower().endswith(".src") else "din66025"
 
 
@@ -145,6 +150,8 @@ def diagnose(
     source: JobSource, machine: MachineFile, options: CompileOptions, *, check_only: bool
 ) -> tuple[native_gcode.Program | None, tuple[Diagnostic, ...], dict[str, Any]]:
     """Compiles without judging: program (None with errors or `check_only`), all diagnostics, facts."""
+    if check_only and source.language != "din66025":
+        return None, compile_autocode(source, machine, options)[1], {}
     if source.language != "din66025":
         raise CompileError([_not_yet(source)])
     program, rows, facts = native_gcode.compile(
@@ -169,6 +176,23 @@ def compile_job(source: JobSource, machine: MachineFile, options: CompileOptions
     if program is None:
         raise CompileError(diagnostics)
     return CompiledJob(source, machine, program, diagnostics, facts)
+
+
+def compile_autocode(
+    source: JobSource, machine: MachineFile, options: CompileOptions
+) -> tuple[native_sympas.Program | None, tuple[Diagnostic, ...]]:
+    """Register code of a rw_SymPas job or of an autocode file (None with errors), and all diagnostics."""
+    name = shown(source.path)
+    if source.language == "autocode":
+        try:
+            return native_sympas.decode(source.data), ()
+        except ValueError as error:
+            hint = "compile the job again: cnc-front translate JOB.src --output FILE.cnc"
+            return None, (Diagnostic(name, 1, 1, 1, "CF202", str(error), hint),)
+    program, rows = native_sympas.compile(
+        source.data, name, machine.machine, path=source.path, language=options.messages
+    )
+    return program, tuple(Diagnostic(*row) for row in rows)
 
 
 def _not_yet(source: JobSource) -> Diagnostic:

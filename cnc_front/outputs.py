@@ -8,8 +8,9 @@ from pathlib import Path
 
 from cnc_front.errors import UsageError
 
-#: First bytes of a recording (MCAP), and the mark in every report of ours.
+#: First bytes of a recording (MCAP) and of an autocode file, and the mark in every report of ours.
 RECORDING_MAGIC = b"\x89MCAP0\r\n"
+AUTOCODE_MAGIC = b"\x89CNC\r\n\x1a\n"
 REPORT_MARK = "<!-- cnc-front report -->"
 REPORT_FILE = "report.html"
 
@@ -24,6 +25,19 @@ def check_recording(path: str, inputs: Iterable[str]) -> Path:
     if not target.parent.is_dir():
         raise UsageError(f"--record: there is no folder {target.parent}")
     _refuse_readonly(target if target.exists() else target.parent, "--record")
+    return target
+
+
+def check_autocode(path: str, inputs: Iterable[str]) -> Path:
+    """The path for an autocode file, or UsageError."""
+    target = Path(path)
+    _refuse_inputs(target, inputs, "--output")
+    _refuse_odd(target, "--output")
+    if target.exists() and not _starts_with(target, AUTOCODE_MAGIC):
+        raise UsageError(f"--output: {path} exists and is no autocode file; choose another name")
+    if not target.parent.is_dir():
+        raise UsageError(f"--output: there is no folder {target.parent}")
+    _refuse_readonly(target if target.exists() else target.parent, "--output")
     return target
 
 

@@ -19,15 +19,18 @@ class Diagnostic(NamedTuple):
     id: str
     message: str
     hint: str
+    #: The source line with a caret below; empty where the compiler gives none.
+    excerpt: str = ""
 
     @property
     def is_warning(self) -> bool:
         """Warnings do not keep a program from being compiled."""
-        return self.id.startswith("GW")
+        return self.id.startswith(("GW", "SW"))
 
     def __str__(self) -> str:
         hint = f"\n  hint: {self.hint}" if self.hint else ""
-        return f"{self.file}:{self.line}:{self.column}: {self.id}: {self.message}{hint}"
+        excerpt = f"\n{self.excerpt}" if self.excerpt else ""
+        return f"{self.file}:{self.line}:{self.column}: {self.id}: {self.message}{excerpt}{hint}"
 
 
 class MachineError(ValueError):

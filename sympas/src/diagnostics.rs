@@ -64,19 +64,27 @@ impl Diagnostic {
             (None, _) => self.id.texts(language)[1].to_owned(),
         }
     }
-    /// Place, message, source line with a caret below, hint.
+    /// The source line with a caret below the place; empty where the line is.
+    pub fn excerpt(&self) -> String {
+        if self.text.trim().is_empty() {
+            return String::new();
+        }
+        let text: String = self.text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let before = " ".repeat(self.column as usize - 1);
+        let width = text.chars().count().saturating_sub(self.column as usize - 1);
+        let carets = ((self.end_column + 1 - self.column) as usize).min(width).max(1);
+        format!("  {text}\n  {before}{}", "^".repeat(carets))
+    }
+    /// Place, message, excerpt, hint.
     pub fn render(&self, language: Language) -> String {
         let place = format!("{}:{}:{}", self.file, self.line, self.column);
         let mut out = format!("{place}: {}: {}", self.id.name(), self.message(language));
-        if !self.text.trim().is_empty() {
-            let text: String = self.text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-            let before = " ".repeat(self.column as usize - 1);
-            let width = self.text.chars().count().saturating_sub(self.column as usize - 1);
-            let carets = ((self.end_column + 1 - self.column) as usize).min(width).max(1);
-            out += &format!("\n  {text}\n  {before}{}", "^".repeat(carets));
+        for (before, text) in [("", self.excerpt()), ("  hint: ", self.hint(language))] {
+            if !text.is_empty() {
+                out += &format!("\n{before}{text}");
+            }
         }
-        let hint = self.hint(language);
-        if hint.is_empty() { out } else { out + "\n  hint: " + &hint }
+        out
     }
 }
 
@@ -171,7 +179,11 @@ fn resolve(fault: Fault, sources: &Sources) -> Diagnostic {
 
 /// The candidate that a misspelt name most likely means: other case first, then one or two letters off.
 pub fn closest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let reach = if name.len() <= 3 { 1 } else { 2 };
+    let reach = match name.len() {
+        0..=1 => 0,
+        2..=4 => 1,
+        _ => 2,
+    };
     let cost = |c: &str| if c.eq_ignore_ascii_case(name) { 0 } else { distance(name, c, reach) };
     candidates.filter(|c| *c != name).map(|c| (cost(c), c)).filter(|(d, _)| *d <= reach).min().map(|(_, c)| c)
 }

@@ -14,8 +14,9 @@ ROOT = Path(__file__).parents[2]
 MAY_IMPORT = {
     "motion_kernel": set(),
     "gcode": {"motion_kernel"},
+    "sympas": {"motion_kernel"},
     "toolpaths": set(),
-    "cnc_front": {"toolpaths", "gcode", "motion_kernel"},
+    "cnc_front": {"toolpaths", "gcode", "sympas", "motion_kernel"},
     "tui": {"cnc_front"},
 }
 # the compiled module belongs to no room: each face may import its own part of it

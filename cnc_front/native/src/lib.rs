@@ -10,6 +10,7 @@ mod paths;
 mod pcap;
 mod program;
 mod record;
+mod sympas;
 
 /// Adds a submodule and makes `from cnc_front._native.NAME import X` work.
 fn submodule(parent: &Bound<'_, PyModule>, name: &str, fill: fn(&Bound<'_, PyModule>) -> PyResult<()>) -> PyResult<()> {
@@ -35,6 +36,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     quiet_panics();
     submodule(module, "motion_kernel", kernel::fill)?;
     submodule(module, "gcode", program::fill)?;
+    submodule(module, "sympas", sympas::fill)?;
     submodule(module, "toolpaths", paths::fill)?;
     submodule(module, "recording", record::fill)
 }
