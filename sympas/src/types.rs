@@ -30,8 +30,6 @@ pub fn convertible(target: Type, source: Type) -> bool {
 pub fn convert(target: Type, source: Expr) -> Expr {
     match (target, &source) {
         _ if target == source.of && target != Type::Single => source,
-        // a Single in an expression has double precision until it is stored
-        (Type::Double, Expr { of: Type::Single, .. }) => Expr { of: Type::Double, ..source },
         (Type::Single, Expr { of: Type::Single, kind: ExprKind::Load(_) }) => source,
         (Type::Single, Expr { kind: ExprKind::Literal(bits), of: Type::Double }) => {
             let single = f64::from(f64::from_bits(*bits) as f32);

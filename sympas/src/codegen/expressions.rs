@@ -22,6 +22,11 @@ pub(super) fn calls(expr: &Expr) -> bool {
     }
 }
 
+/// Conversions that leave the slot as it is: a Single in an expression has double precision until it is stored.
+fn is_free(to: Type, from: Type) -> bool {
+    matches!((to, from), (Type::Integer, Type::Boolean) | (Type::Double, Type::Single))
+}
+
 impl Generator {
     /// The slot that holds the value: its own where it has one, else a temporary.
     pub(super) fn operand(&mut self, expr: &Expr) -> Slot {
@@ -29,7 +34,7 @@ impl Generator {
             ExprKind::Literal(bits) => self.literal(*bits),
             ExprKind::Load(Place::Slot(slot)) => *slot,
             ExprKind::Unary(Unary::Plus, inner) => self.operand(inner),
-            ExprKind::Convert(inner) if expr.of == Type::Integer && inner.of == Type::Boolean => self.operand(inner),
+            ExprKind::Convert(inner) if is_free(expr.of, inner.of) => self.operand(inner),
             ExprKind::Call(number, arguments) => self.call(*number, arguments),
             _ => {
                 let target = self.temporary();
@@ -71,6 +76,7 @@ impl Generator {
                 let b = self.operand(right);
                 self.emit(operation(*operator, *working, target, a, b));
             }
+            ExprKind::Convert(inner) if is_free(expr.of, inner.of) => self.into(inner, target),
             ExprKind::Convert(inner) => self.convert(inner, expr.of, target),
             ExprKind::Math(function, inner) => {
                 let a = self.operand(inner);

@@ -2,6 +2,8 @@
 #![allow(dead_code)] // no test uses all of it
 
 pub mod evaluator;
+pub mod generator;
+pub mod machine;
 pub mod values;
 
 use sympas::source::{Loader, NoIncludes, Sources};
