@@ -29,7 +29,9 @@ from cnc_front.messages import language_from, text
 def _compile_options(options: argparse.Namespace) -> CompileOptions:
     part = (getattr(options, "start", None), getattr(options, "stop", None))
     skip, strict = tuple(options.skip), getattr(options, "strict", False)
-    return CompileOptions(options.profile, options.optional_stop, skip, options.language, *part, strict, language_from(options.lang))
+    return CompileOptions(
+        options.profile, options.optional_stop, skip, options.language, *part, strict, language_from(options.lang)
+    )
 
 
 def _print_diagnostics(diagnostics: tuple[Diagnostic, ...], options: argparse.Namespace) -> None:
