@@ -279,8 +279,12 @@ def test_look_ahead_limits_are_in_interpolation_units(mcu: Mcu) -> None:
     assert mcu.rdmaxvel("X") == pytest.approx(600.0)
     assert mcu.rdmaxacc("X") == pytest.approx(3600.0)
     mcu.wrmaxvel("X", 60.0)
+    mcu.wrmdvel("X", 30.0)
+    mcu.wrmaxacc("X", 7200.0)
     assert mcu.ctru(0, 0)
     assert mcu.rdmaxvel("X") == pytest.approx(25.4)
+    assert mcu.rdmdvel("X") == pytest.approx(12.7)
+    assert mcu.rdmaxacc("X") == pytest.approx(50.8)
     mcu.wrmodereg(ModeReg.of("ChkMaxVel"))
     mcu.wrmaxacc("X", 0.0)
     mcu.smla({"X": 50.0}, ac=1e4, vl=100.0)
@@ -317,6 +321,9 @@ def test_the_effective_radius_is_in_pu(lathe: Mcu) -> None:
     assert np.diff(lathe.trace.dp[:, 1]).max() / TA == pytest.approx(math.degrees(1.0), rel=1e-9)
     lathe.ctru("inch", "sec")
     assert lathe.rdeffradius("C") == pytest.approx(1.0)
+    lathe.wreffradius("C", 2.0)
+    lathe.ctru("mm", "sec")
+    assert lathe.rdeffradius("C") == pytest.approx(50.8)
     for axis, bad in [("C", 0.0), ("C", -1.0), ("X", 1.0)]:
         with pytest.raises(ValueError, match="effradius"):
             lathe.wreffradius(axis, bad)
