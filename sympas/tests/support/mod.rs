@@ -22,6 +22,16 @@ pub fn compile_with(source: &str, loader: &mut dyn Loader) -> Compilation {
     sympas::compile("t.src", source.as_bytes(), loader, &axes())
 }
 
+/// Includes from a folder.
+pub struct Folder(pub std::path::PathBuf);
+
+impl Loader for Folder {
+    fn load(&mut self, name: &str, _: &str) -> Result<(String, Vec<u8>), String> {
+        let bytes = std::fs::read(self.0.join(name)).map_err(|e| e.to_string())?;
+        Ok((name.to_owned(), bytes))
+    }
+}
+
 /// The syntax tree of a text without errors.
 pub fn syntax(source: &str) -> ast::Program {
     let (mut sources, mut reports) = (Sources::default(), sympas::diagnostics::Reports::default());
