@@ -74,3 +74,22 @@ fn dialect_options_go_before_the_profile() {
     let arc = &translated(&absolute, "G0 X5\nG3 X5 I15 J0 F100\nM2").expect("compiles")[1];
     assert!(arc.contains("\"center\":{\"X\":15.0,\"Y\":0.0}"), "{arc}");
 }
+
+// shows: modereg.centeralwaysrel
+#[test]
+fn center_always_rel_takes_centres_from_the_block_start() {
+    let centre = |bit: &str, text: &str| {
+        let text_of = BUILTIN.replacen("modereg = [", &format!("modereg = [{bit}"), 1);
+        let head = "[gcode]\ndialect = { arc_centre = \"likeController\" }\n";
+        let own = Machine::parse(text_of.replacen("[gcode] ", head, 1).as_bytes()).expect("valid");
+        let arc = translated(&own, text).expect("compiles").remove(1);
+        let begin = arc.find("\"center\":").expect("an arc");
+        arc[begin..].split('}').next().expect("closed").to_owned()
+    };
+    let absolute = "G90 G0 X5\nG3 X5 I15 J0 F100\nM2";
+    assert_eq!(centre("\"CenterAlwaysRel\", ", absolute), "\"center\":{\"X\":20.0,\"Y\":0.0");
+    assert_eq!(centre("", absolute), "\"center\":{\"X\":15.0,\"Y\":0.0", "like the targets of G90");
+    let incremental = "G91 G0 X5\nG3 X0 I15 J0 F100\nM2";
+    assert_eq!(centre("\"CenterAlwaysRel\", ", incremental), "\"center\":{\"X\":20.0,\"Y\":0.0");
+    assert_eq!(centre("", incremental), "\"center\":{\"X\":20.0,\"Y\":0.0");
+}

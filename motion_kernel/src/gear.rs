@@ -49,8 +49,15 @@ impl Axis {
     /// A position of `x` units has `x * ratio` units from now on.
     fn convert(&mut self, counts_per_unit: f64, ratio: f64) {
         self.parameters.counts_per_unit = counts_per_unit;
-        let Axis { dp, dv, run_on_v, queue_end, points_base, zero, .. } = self;
-        let lengths = [dp, dv, run_on_v, queue_end, points_base, zero];
+        let lengths = [
+            &mut self.dp,
+            &mut self.dv,
+            &mut self.run_on_v,
+            &mut self.queue_end,
+            &mut self.points_base,
+            &mut self.zero,
+            &mut self.parameters.dpoffset,
+        ];
         lengths.into_iter().for_each(|x| *x *= ratio);
         self.limiting.left = self.limiting.left.map(|x| x * ratio);
         self.limiting.right = self.limiting.right.map(|x| x * ratio);

@@ -7,6 +7,7 @@ use motion_kernel::Mcu;
 use motion_kernel::autocode::MoveKind;
 use motion_kernel::axes::{AxisList, AxisSet};
 use motion_kernel::functions::Entered;
+use motion_kernel::machine::DriveKind;
 use motion_kernel::registers::{Axst, ErrorReg, ModeReg};
 use motion_kernel::trace::Trace;
 
@@ -439,4 +440,61 @@ fn inhibitprofilerefuse_silences_the_message_of_discarded_profiles() {
             assert_eq!(m.status().axes[0].mcis, 0);
         }
     }
+}
+
+// shows: modereg.simulationmode
+#[test]
+fn simulationmode_puts_out_nothing_and_simulates_the_actual_position() {
+    for drive in [DriveKind::Servo, DriveKind::Stepper] {
+        let mut machine = machine("X");
+        machine.axes[0].drive = drive;
+        machine.axes[0].pidf.kp = 20.0;
+        let mut m = mcu_of(machine, EXACT | ModeReg::SimulationMode);
+        line(&mut m, &[30.0], 20.0, 300.0, 0.0);
+        m.ssms(set(&[0]));
+        let mut trace = Trace::default();
+        let mut commands = 0;
+        for _ in 0..1500 {
+            m.pass(1, &mut trace);
+            commands += i32::from(m.rdmcp(0) != 0);
+            close(trace.rp[0], trace.dp[0], 20.0 * TA + 1e-4);
+        }
+        assert_eq!(commands, 0, "{drive:?}: nothing for the drive");
+        close(m.rdrp(0), 30.0, 1e-4);
+        // the motor itself never moved
+        m.set_modereg(EXACT);
+        m.run(1);
+        m.ol(set(&[0]));
+        m.run(2);
+        assert!(m.rdrp(0) < 1.0, "{drive:?}: {}", m.rdrp(0));
+    }
+    // without the bit the controller acts
+    let mut machine = machine("X");
+    machine.axes[0].drive = DriveKind::Servo;
+    machine.axes[0].pidf.kp = 20.0;
+    let mut m = mcu_of(machine, EXACT);
+    m.wrdp(0, 1.0);
+    m.run(1);
+    assert!(m.rdmcp(0) > 0);
+}
+
+// shows: modereg.clearzeroposition
+#[test]
+fn clearzeroposition_clears_the_offset_and_keeps_the_positions() {
+    let mut m = mcu("XY", EXACT);
+    m.ja(&x(), &[20.0]);
+    m.run(3000);
+    assert!(m.szpa(0, 5.0) && m.szpr(1, 2.0));
+    assert_eq!((m.rdrp(0), m.zero_offset(0), m.zero_offset(1)), (15.0, 5.0, 2.0));
+    // taken back, the positions would be the old ones again
+    assert!(m.szpa(0, 0.0));
+    assert_eq!((m.rdrp(0), m.zero_offset(0)), (20.0, 0.0));
+    assert!(m.szpa(0, 5.0));
+    m.set_modereg(EXACT | ModeReg::ClearZeroPosition);
+    m.run(1);
+    assert_eq!((m.rdrp(0), m.rddp(0), m.rdrp(1)), (15.0, 15.0, -2.0));
+    assert_eq!((m.zero_offset(0), m.zero_offset(1)), (0.0, 0.0));
+    // while it is set the reference position can be shifted at any time
+    assert!(m.szpr(0, 1.0));
+    assert_eq!((m.rdrp(0), m.zero_offset(0)), (14.0, 0.0));
 }
