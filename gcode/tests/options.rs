@@ -289,3 +289,31 @@ fn writeln_stops_the_task() {
     assert_eq!(free.advance(2000, &mut trace).stop, Stop::Finished);
     assert_eq!(free.take_output(0), "one\ntwo\n");
 }
+
+// shows: gcode.zero-offset-sets
+#[test]
+fn five_zero_offset_sets_of_the_controller_and_six_of_programs() {
+    let text = format!(
+        "{}\n[gcode.offsets]\nG54 = {{ X = 1.0 }}\nG55 = {{ X = 2.0 }}\nG56 = {{ X = 3.0 }}\nG57 = {{ X = 4.0 }}\n\
+         G58 = {{ X = 5.0 }}\nG59 = {{ X = 6.0 }}\n",
+        BUILTIN.replacen(
+            "name = \"X\"",
+            "name = \"X\"\nzero_offsets = { set0 = 10.0, set1 = 20.0, set2 = 30.0, set3 = 40.0, set4 = 50.0 }",
+            1
+        )
+    );
+    let machine = Machine::parse(text.as_bytes()).expect("valid");
+    assert_eq!(
+        x("G0 X0\nG55 X0\nG56 X0\nG57 X0\nG58 G0 X0\nG59 G0 X0\nM30\n", &machine),
+        [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+    );
+    // a program runs in machine coordinates: no set of the controller is active
+    let mut mcu = Mcu::new(Arc::new(machine));
+    mcu.prepare_gcode();
+    assert_eq!(mcu.zero_offset(0), 0.0);
+    for (set, offset) in [(0, 10.0), (1, 20.0), (2, 30.0), (3, 40.0), (4, 50.0), (5, 0.0), (2, 30.0), (99, 0.0)] {
+        mcu.azo(set);
+        assert_eq!((mcu.zero_offset(0), mcu.zero_offset(1)), (offset, 0.0), "{set}");
+        assert_eq!(mcu.rdrp(0), -offset, "all axes together, nothing moves");
+    }
+}
