@@ -116,7 +116,7 @@ impl Translator<'_> {
         if code == 840 {
             return self.tap(block, hole);
         }
-        let clearance = self.dialect.peck_clearance;
+        let clearance = self.dialect.peck_clearance.unwrap_or(if self.state.modal.inch { 0.04 * 25.4 } else { 1.0 });
         if let (Some(peck), 730 | 830) = (hole.words.peck, code) {
             let mut level = hole.retract;
             while level > hole.bottom {

@@ -7,6 +7,7 @@ use crate::diagnostics::Id;
 use crate::part::At;
 pub use motion_kernel::machine::ArcCentre;
 use motion_kernel::machine::{DwellUnit, Machine, Profile};
+use motion_kernel::registers::ModeReg;
 
 /// Reads a subprogram file by its name; `None` if there is none.
 pub type Library = Arc<dyn Fn(&str) -> Option<Vec<u8>> + Send + Sync>;
@@ -76,7 +77,8 @@ pub struct Dialect {
     pub nested_comments: bool,
     /// U V W without such axes are incremental X Y Z.
     pub uvw_incremental: bool,
-    pub peck_clearance: f64,
+    /// mm; `None`: 1 mm, with inch units 0.04 inch.
+    pub peck_clearance: Option<f64>,
     pub strict_m: bool,
     /// D of G41, G42 is the tool radius itself.
     pub d_is_radius: bool,
@@ -102,6 +104,9 @@ pub struct Dialect {
     pub g_system_a: bool,
     pub radius_correction: bool,
     pub exact_in_position: bool,
+    pub feed_per_revolution: bool,
+    /// Cosine of the angle above which corners stop; -1: none does.
+    pub corner_cos: f64,
     /// Difference within which EQ and NE hold.
     pub equal_tolerance: f64,
     /// The machine file has G functions of its own.
@@ -128,7 +133,7 @@ impl Dialect {
             keep_g92: own.keep_g92.unwrap_or(linuxcnc),
             nested_comments: own.nested_comments.unwrap_or(profile != Profile::Fanuc),
             uvw_incremental: own.uvw_incremental.unwrap_or(lathe),
-            peck_clearance: own.peck_clearance.unwrap_or(1.0),
+            peck_clearance: own.peck_clearance,
             strict_m: own.strict_m.unwrap_or(false),
             d_is_radius: own.d_is_radius.unwrap_or(false),
             rigid_m29: profile == Profile::Fanuc,
@@ -145,6 +150,8 @@ impl Dialect {
             g_system_a: own.g_system_a.unwrap_or(false),
             radius_correction: own.radius_correction.unwrap_or(true),
             exact_in_position: own.exact_in_position.unwrap_or(false),
+            feed_per_revolution: own.feed_per_revolution.unwrap_or(false),
+            corner_cos: corner_cos(own.corner_angle, machine),
             equal_tolerance: own.equal_tolerance.unwrap_or(0.0),
             calls_by_g: !machine.gcode.g_functions.is_empty(),
         }
@@ -172,4 +179,11 @@ impl Dialect {
             _ => g_code(tenths),
         }
     }
+}
+
+/// With look-ahead the controller takes corners as its mdvel allows, without it they stop.
+fn corner_cos(angle: Option<f64>, machine: &Machine) -> f64 {
+    let look_ahead = ModeReg(machine.gcode.modereg).has(ModeReg::LookAhead);
+    let angle = angle.unwrap_or(if look_ahead { 180.0 } else { 1.0 });
+    if angle >= 180.0 { -1.0 } else { angle.to_radians().cos() }
 }

@@ -93,6 +93,13 @@ impl Frame {
             Zero::Extra(n) => self.extra.get(&n).copied().unwrap_or([0.0; SLOTS]),
         }
     }
+    pub fn set_offset(&mut self, zero: Zero, slot: usize, value: f64) {
+        match zero {
+            Zero::Machine => {}
+            Zero::Work(set) => self.work[set][slot] = value,
+            Zero::Extra(n) => self.extra.entry(n).or_insert([0.0; SLOTS])[slot] = value,
+        }
+    }
     /// To be called after any change.
     pub fn refresh(&mut self) {
         let zero = self.offset(self.zero);

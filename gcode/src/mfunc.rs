@@ -119,7 +119,7 @@ impl Translator<'_> {
         let tool = self.state.modal.tool;
         self.state.modal.in_spindle = tool;
         self.facts.tools.push(tool);
-        if tool != 0 && !self.machine.gcode.tools.iter().any(|t| t.number == tool) {
+        if tool != 0 && self.tool(tool).is_none() {
             self.faults.push(Fault::with(Id::GW935, span, &[&tool]));
         }
         self.host_wait("M06", &tool.to_string());
@@ -133,8 +133,8 @@ impl Translator<'_> {
             4 | 14 => (modal.spindle, _) = (4, outputs.turn(lines.spindle_ccw, lines.spindle_cw)),
             7 => (modal.coolant[1], _) = (true, outputs.put(lines.coolant2, 0)),
             8 => (modal.coolant[0], _) = (true, outputs.put(lines.coolant1, 0)),
-            10 => outputs.put(lines.clamp, 0),
-            11 => outputs.put(0, lines.clamp),
+            10 => self.clamp((lines.clamp, 0), lines.clamp_wait, outputs),
+            11 => self.clamp((0, lines.clamp), lines.unclamp_wait, outputs),
             19 => {
                 self.used |= mask("SR");
                 let angle = block.value(b'S').or(block.value(b'R')).unwrap_or(0.0);

@@ -109,6 +109,8 @@ pub struct Modal {
     pub inch: bool,
     /// 40, 41, 42
     pub correction: u16,
+    /// 43, 44, 49
+    pub length_code: u16,
     /// G60, G61
     pub exact: bool,
     /// Tolerance for merging, mm.
@@ -148,9 +150,10 @@ impl Modal {
             plane: if dialect.lathe { Plane::Zx } else { Plane::Xy },
             incremental: false,
             centre_absolute: None,
-            feed_mode: FeedMode::PerMinute,
+            feed_mode: if dialect.feed_per_revolution { FeedMode::PerRevolution } else { FeedMode::PerMinute },
             inch: false,
             correction: 40,
+            length_code: 49,
             exact: false,
             tolerance: machine.gcode.merge_tolerance,
             return_to_r: false,
@@ -211,68 +214,44 @@ impl State {
         self.frame.refresh();
         self.program = self.frame.to_program(&self.machine);
     }
-    /// The active code of a modal group (`#4001`..), in the numbering of section 5.
+    /// The active code of a modal group (`#4001`..), in the numbering of section 5; 0 for a cylinder that is off.
     pub fn group_code(&self, group: u32) -> Option<f64> {
-        let m = &self.modal;
-        Some(match group {
-            1 => f64::from(m.motion.tenths()) / 10.0,
-            2 => f64::from(m.plane.g()),
-            3 => {
-                if m.incremental {
-                    91.0
-                } else {
-                    90.0
-                }
-            }
-            5 => f64::from(m.feed_mode.tenths()) / 10.0,
-            6 => {
-                if m.inch {
-                    20.0
-                } else {
-                    21.0
-                }
-            }
-            7 => f64::from(m.correction),
-            8 => {
-                if self.frame.length.is_some() {
-                    43.0
-                } else {
-                    49.0
-                }
-            }
-            9 => {
-                if m.exact {
-                    61.0
-                } else {
-                    64.0
-                }
-            }
-            10 => {
-                if m.return_to_r {
-                    99.0
-                } else {
-                    98.0
-                }
-            }
-            12 => {
-                if m.cutting_speed {
-                    96.0
-                } else {
-                    97.0
-                }
-            }
+        let (m, frame) = (&self.modal, &self.frame);
+        let choose = |on: bool, yes: u16, no: u16| if on { yes } else { no };
+        let tenths = match group {
+            1 => m.motion.tenths(),
+            2 => m.plane.g() * 10,
+            3 => choose(m.incremental, 910, 900),
+            4 => choose(m.centre_absolute == Some(true), 901, 911),
+            5 => m.feed_mode.tenths(),
+            6 => choose(m.inch, 200, 210),
+            7 => m.correction * 10,
+            8 => m.length_code * 10,
+            9 => choose(m.exact, 610, 640),
+            10 => choose(m.return_to_r, 990, 980),
+            11 => self.zero_code().0,
+            12 => choose(m.cutting_speed, 960, 970),
+            13 => choose(frame.scale.is_some(), 510, 500),
+            14 => choose(frame.mirror.iter().any(Option::is_some), 511, 501),
+            15 => choose(frame.rotation.is_some(), 680, 690),
+            16 => choose(m.cylinder.is_some(), 71, 0),
             _ => return None,
-        })
+        };
+        Some(f64::from(tenths) / 10.0)
+    }
+    /// The zero offset in force, and the number of G54.1.
+    fn zero_code(&self) -> (u16, u16) {
+        match self.frame.zero {
+            Zero::Machine => (530, 0),
+            Zero::Work(set) => (540 + 10 * set as u16, 0),
+            Zero::Extra(n) => (541, n as u16),
+        }
     }
     /// The active G codes in tenths, in the order in which operators read them.
     #[inline]
     pub fn codes(&self) -> Codes {
         let m = &self.modal;
-        let (zero, extra) = match self.frame.zero {
-            Zero::Machine => (530, 0),
-            Zero::Work(set) => (540 + 10 * set as u16, 0),
-            Zero::Extra(n) => (541, n as u16),
-        };
+        let (zero, extra) = self.zero_code();
         let choose = |on: bool, yes: u16, no: u16| if on { yes } else { no };
         Codes([
             m.motion.tenths(),
@@ -281,7 +260,7 @@ impl State {
             choose(m.inch, 200, 210),
             m.feed_mode.tenths(),
             m.correction * 10,
-            choose(self.frame.length.is_some(), 430, 490),
+            m.length_code * 10,
             choose(m.exact, 610, 640),
             zero,
             extra,

@@ -1,5 +1,7 @@
 //! Zero offsets and shifts: G10, G28, G30, G52, G53..G59, G92 and their kin (docs/dialect.md, sections 6 and 10).
 
+use motion_kernel::machine::Tool;
+
 use crate::block::{AXIS_LETTERS, Block, GWord, bit, mask};
 use crate::codes::{Group, number};
 use crate::diagnostics::{Check, Fault, Id};
@@ -131,41 +133,48 @@ impl Translator<'_> {
         if kind != 2 && kind != 20 {
             return self.set_tool(block, p);
         }
-        let set = match (p, self.state.frame.zero) {
-            (0, Zero::Work(active)) => active,
-            (0, _) => 0,
-            (1..=6, _) => p as usize - 1,
+        let zero = match (p, self.state.frame.zero) {
+            (0, Zero::Machine) => Zero::Work(0),
+            (0, active) => active,
+            (1..=6, _) => Zero::Work(p as usize - 1),
             _ => return Err(Fault::with(Id::GC216, block.span_of(b'P'), &[&p, &'P', &0, &6])),
         };
         for (slot, _, value) in self.words(block)? {
             let frame = &mut self.state.frame;
-            if kind == 20 {
+            let present = frame.offset(zero)[slot];
+            let offset = if kind == 20 {
                 let others = frame.shift()[slot] - frame.offset(frame.zero)[slot];
-                frame.work[set][slot] = self.state.machine[slot] - others - frame.factor[slot] * value;
+                self.state.machine[slot] - others - frame.factor[slot] * value
             } else if self.state.modal.incremental {
-                frame.work[set][slot] += value;
+                present + value
             } else {
-                frame.work[set][slot] = value;
-            }
+                value
+            };
+            frame.set_offset(zero, slot, offset);
         }
         self.state.reframe();
         Ok(())
     }
     fn set_tool(&mut self, block: &Block, p: i64) -> Check<()> {
         self.used |= mask("ZR");
-        let length = self.length(block, b'Z');
-        let known = self.machine.gcode.tools.iter().any(|t| i64::from(t.number) == p);
-        if !known && length.is_none() {
+        let (length, radius) = (self.length(block, b'Z'), self.length(block, b'R'));
+        let found = self.tool(p as u32);
+        let Some(mut tool) = found.or((length.is_some() || radius.is_some()).then_some(Tool::default())) else {
             return Err(Fault::with(Id::GC509, block.span_of(b'P'), &[&p]));
+        };
+        if radius.is_some_and(|r| r < 0.0) {
+            let range: [&dyn std::fmt::Display; 4] = [&block.value(b'R').unwrap_or(0.0), &'R', &0, &1e7];
+            return Err(Fault::with(Id::GC216, block.span_of(b'R'), &range));
         }
-        if let Some(length) = length {
-            self.tool_lengths.insert(p as u32, length);
-        }
+        tool.length = length.unwrap_or(tool.length);
+        tool.radius = radius.unwrap_or(tool.radius);
+        self.tools.insert(p as u32, Tool { number: p as u32, ..tool });
         Ok(())
     }
-    /// A length that G10 has set.
-    pub(crate) fn tool_length(&self, number: u32) -> Option<f64> {
-        self.tool_lengths.get(&number).copied()
+    /// A tool as G10 has set it, else that of the machine file.
+    pub(crate) fn tool(&self, number: u32) -> Option<Tool> {
+        let own = || self.machine.gcode.tools.iter().find(|t| t.number == number).copied();
+        self.tools.get(&number).copied().or_else(own)
     }
 
     /// G28 and G30: over the given point to the reference position, at rapid speed.

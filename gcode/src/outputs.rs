@@ -47,4 +47,12 @@ impl Translator<'_> {
             }
         }
     }
+    /// M10, M11: the output, and the input that shows it has happened.
+    pub(crate) fn clamp(&mut self, (set, reset): (u32, u32), wait: u32, outputs: &mut Outputs) {
+        outputs.put(set, reset);
+        if wait != 0 {
+            self.put_out(std::mem::take(outputs));
+            self.wait(spool::WAIT_INPUTS, f64::from(wait));
+        }
+    }
 }

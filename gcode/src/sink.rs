@@ -98,7 +98,8 @@ pub struct Sink {
     list: u16,
     circle_lists: Vec<([usize; 2], u16)>,
     sample: f64,
-    look_ahead: bool,
+    /// Cosine of the angle above which corners stop; -1: none does.
+    corner_cos: f64,
     /// Rotary positions are spooled as mm of circumference (MODEREG RotatoricUnit is clear).
     circumference: bool,
     /// Options `rapid_blend` and `exact_in_position` of the machine file.
@@ -131,7 +132,7 @@ impl Sink {
             list,
             circle_lists: Vec::new(),
             sample: machine.sample_time_s(),
-            look_ahead: modereg.has(ModeReg::LookAhead),
+            corner_cos: dialect.corner_cos,
             circumference: !modereg.has(ModeReg::RotatoricUnit) && group.axes.iter().any(|a| a.rotary),
             rapid_blend: dialect.rapid_blend,
             in_position: dialect.exact_in_position,
@@ -259,11 +260,12 @@ impl Sink {
         }
         self.motions += 1;
         self.commands += 1;
-        let tangents = if self.look_ahead { ([0.0; SLOTS], [0.0; SLOTS]) } else { self.tangents(&motion) };
+        let free = self.corner_cos <= -1.0;
+        let tangents = if free { ([0.0; SLOTS], [0.0; SLOTS]) } else { self.tangents(&motion) };
         if let Some(previous) = self.previous
             && previous.joins
             && (!motion.rapid || self.rapid_blend)
-            && (self.look_ahead || is_smooth(&previous.tangent, &tangents.0))
+            && (free || cosine(&previous.tangent, &tangents.0) >= self.corner_cos)
             && self.keep
             && let Some(last) = self.builder.last_move_mut()
         {
@@ -419,10 +421,9 @@ pub fn order(slots: [usize; 2], n: usize) -> impl Iterator<Item = usize> {
     slots.into_iter().chain((0..n).filter(move |slot| !slots.contains(slot)))
 }
 
-/// Within one degree (corner.maxAngle without look-ahead).
-fn is_smooth(a: &Point, b: &Point) -> bool {
-    let cos: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
-    cos >= 1f64.to_radians().cos()
+/// Cosine of the angle between two unit tangents.
+fn cosine(a: &Point, b: &Point) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 impl Run {

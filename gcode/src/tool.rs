@@ -18,7 +18,7 @@ impl Translator<'_> {
         }
         self.used |= bit(b'D');
         let tool = block.integer(b'D').unwrap_or(self.state.modal.tool_offset.unwrap_or(self.state.modal.in_spindle));
-        let found = self.machine.gcode.tools.iter().find(|t| t.number == tool).map(|t| t.radius);
+        let found = self.tool(tool).map(|t| t.radius);
         let missing = || Fault::with(Id::GC509, block.word(b'D').map_or(g.span, |w| w.span), &[&tool]);
         let radius = match self.length(block, b'D') {
             Some(radius) if self.dialect.d_is_radius => radius,
@@ -62,27 +62,25 @@ impl Translator<'_> {
     /// G43, G44, G49: along the normal of the plane.
     pub(crate) fn length_correction(&mut self, block: &Block) -> Check<()> {
         let Some(g) = block.code_of(Group::LengthCorrection) else { return Ok(()) };
-        let mut length = 0.0;
         self.used |= bit(b'H');
-        if g.code.tenths != 490 {
-            let number =
-                block.integer(b'H').unwrap_or(self.state.modal.tool_offset.unwrap_or(self.state.modal.in_spindle));
-            let tool = self.machine.gcode.tools.iter().find(|t| t.number == number);
-            let missing = || Fault::with(Id::GC509, block.word(b'H').map_or(g.span, |w| w.span), &[&number]);
-            length = if number == 0 {
-                0.0
-            } else {
-                self.tool_length(number).or(tool.map(|t| t.length)).ok_or_else(missing)?
-            };
+        let spindle = self.state.modal.tool_offset.unwrap_or(self.state.modal.in_spindle);
+        let number = if g.code.tenths == 490 { 0 } else { block.integer(b'H').unwrap_or(spindle) };
+        if number == 0 {
+            // H0 is G49
+            (self.state.modal.length_code, self.state.frame.length) = (49, None);
+            self.state.reframe();
+            return Ok(());
         }
-        let normal = self.state.modal.plane.letters().1;
+        let missing = || Fault::with(Id::GC509, block.word(b'H').map_or(g.span, |w| w.span), &[&number]);
+        let length = self.tool(number).ok_or_else(missing)?.length;
         let signed = if g.code.tenths == 440 { -length } else { length };
+        let normal = self.state.modal.plane.letters().1;
         self.state.frame.length = match self.group.slot(normal) {
-            _ if g.code.tenths == 490 => None,
             Some(slot) => Some((slot, signed)),
             None if signed == 0.0 => None,
             None => return Err(Fault::with(Id::GC801, g.span, &[&char::from(normal)])),
         };
+        self.state.modal.length_code = g.code.tenths / 10;
         self.state.reframe();
         Ok(())
     }

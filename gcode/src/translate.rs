@@ -1,6 +1,6 @@
 //! A block and the modal state -> commands, in the order of docs/dialect.md, section 14.
 
-use motion_kernel::machine::Machine;
+use motion_kernel::machine::{Machine, Tool};
 
 use crate::block::{AXIS_LETTERS, Block, CENTRE_LETTERS, GWord, bit, mask};
 use crate::codes::{Decision, Group, number};
@@ -60,8 +60,8 @@ pub struct Translator<'a> {
     pub(crate) target_program: Point,
     /// Letters of the present block that have found a use (GC326).
     pub(crate) used: u32,
-    /// Tool lengths that G10 has set.
-    pub(crate) tool_lengths: std::collections::HashMap<u32, f64>,
+    /// Tools that G10 has set.
+    pub(crate) tools: std::collections::HashMap<u32, Tool>,
     modal_shown: Option<Codes>,
     pub(crate) lint: Lint,
 }
@@ -113,7 +113,7 @@ impl<'a> Translator<'a> {
             written: 0,
             target_program: group.start,
             used: 0,
-            tool_lengths: std::collections::HashMap::new(),
+            tools: std::collections::HashMap::new(),
             modal_shown: None,
             lint: Lint::default(),
             group,

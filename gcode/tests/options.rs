@@ -317,3 +317,90 @@ fn five_zero_offset_sets_of_the_controller_and_six_of_programs() {
         assert_eq!(mcu.rdrp(0), -offset, "all axes together, nothing moves");
     }
 }
+
+#[test]
+fn corners_that_stop() {
+    let tvl = |angle: Option<f64>| -> Vec<f64> {
+        let machine = with(DialectOptions { corner_angle: angle, ..plain() });
+        let text = "G1 X10 F600\nX20 Y1\nX20 Y20\nX30 Y20\nM30\n";
+        program_for(text, &machine, &Options::default()).moves.iter().map(|m| m.tvl).collect()
+    };
+    assert_eq!(tvl(None), [10.0, 10.0, 10.0, 0.0]);
+    assert_eq!(tvl(Some(30.0)), [10.0, 0.0, 0.0, 0.0]);
+    assert_eq!(tvl(Some(85.0)), [10.0, 10.0, 0.0, 0.0]);
+    assert_eq!(tvl(Some(1.0)), [0.0; 4]);
+}
+
+#[test]
+fn a_program_that_starts_with_feed_per_revolution() {
+    let machine = with(DialectOptions { feed_per_revolution: Some(true), ..plain() });
+    assert_eq!(program_for("S600\nG1 X10 F0.5\nM30\n", &machine, &Options::default()).moves[0].vl, 5.0);
+}
+
+#[test]
+fn clamps_that_are_waited_for() {
+    let mut machine = mill3();
+    (machine.gcode.outputs.clamp_wait, machine.gcode.outputs.unclamp_wait) = (1 << 2, 1 << 3);
+    let found: Vec<(u32, u16, f64)> = all("G1 X1 F100\nM10\nX2\nM11\nM30\n", &machine)
+        .iter()
+        .filter_map(|c| {
+            if let Command::Ssf { line, command, value, .. } = c { Some((*line, *command, *value)) } else { None }
+        })
+        .take(4)
+        .collect();
+    assert_eq!(found, [(2, 1001, 16.0), (2, 1004, 4.0), (4, 1002, 16.0), (4, 1004, 8.0)]);
+    // the motion before a wait stops
+    assert_eq!(program_for("G1 X1 F100\nM10\nX2\nM30\n", &machine, &Options::default()).moves[0].tvl, 0.0);
+}
+
+#[test]
+fn tools_that_g10_sets() {
+    let text =
+        "G10 L1 P1 Z40 R3\nG43 H1 G0 Z0\nG41 D1 G1 X10 F600\nX40\nG40 Y20\nG10 L1 P77 Z5\nG43 H77 Z0\nT77 M6\nM30\n";
+    let found = ends(&program_for(text, &mill3(), &Options::default()));
+    assert_eq!(found, [[0.0, 0.0, 40.0], [10.0, 3.0, 40.0], [40.0, 3.0, 40.0], [40.0, 20.0, 40.0], [40.0, 20.0, 5.0]]);
+    assert_eq!(ids(text, &mill3()), Vec::<&str>::new());
+    assert_eq!(ids("G10 L1 P1 R-1\nM30\n", &mill3()), ["GC216"]);
+    assert_eq!(ids("G10 L1 P77\nM30\n", &mill3()), ["GC509"]);
+}
+
+#[test]
+fn the_active_offset_is_the_one_that_p0_sets() {
+    assert_eq!(
+        x("G54.1 P4\nG10 L2 P0 X7\nG0 X1\nG54 X1\nG54.1 P4 X2\nG54.1 P5 X3\nM30\n", &mill3()),
+        [8.0, 1.0, 9.0, 3.0]
+    );
+    assert_eq!(x("G55 G10 L2 P0 X7\nG0 X1\nG54 X2\nM30\n", &mill3()), [8.0, 2.0]);
+}
+
+#[test]
+fn the_active_codes_as_variables() {
+    let codes = "G18 G91 G90.1 G95 G20 G42 D0 G43 H0 G61 G99 G55";
+    let write: Vec<String> = (1..=16).map(|n| format!("#40{n:02}")).collect();
+    let text = format!("G92 S500\n{codes}\nG96 S5\nG51.1 X1\nG51 X0 P2\nG1\nwrite {}\nM30\n", write.join(", \" \", "));
+    let mut machine = mill3();
+    machine.gcode.spindle.limit = 1000.0;
+    let found: String = all(&text, &machine)
+        .iter()
+        .filter_map(|c| if let Command::Text(t) = c { Some(t.clone()) } else { None })
+        .collect();
+    assert_eq!(found, "1 18 91 90.1 95 20 42 49 61 99 55 96 51 51.1 69 0");
+    let found: String = all("G68 X0 Y0 R5\nwrite #4015, \" \", #4016\nM30\n", &machine)
+        .iter()
+        .filter_map(|c| if let Command::Text(t) = c { Some(t.clone()) } else { None })
+        .collect();
+    assert_eq!(found, "68 0");
+}
+
+#[test]
+fn the_clearance_of_peck_drilling() {
+    let z = |text: &str, machine: &Machine| -> Vec<f64> {
+        ends(&program_for(text, machine, &Options::default())).iter().map(|e| e[2]).collect()
+    };
+    let own = with(DialectOptions { peck_clearance: Some(0.5), ..plain() });
+    let text = "G73 Z-5 R1 Q3 F600\nM30\n";
+    assert_eq!(z(text, &mill3()), [1.0, -2.0, -1.0, -5.0, 1.0]);
+    assert_eq!(z(text, &own), [1.0, -2.0, -1.5, -5.0, 1.0]);
+    let inch = z("G20 G73 Z-5 R1 Q3 F60\nM30\n", &mill3());
+    assert!((inch[2] - (-2.0 + 0.04) * 25.4).abs() < 1e-9, "{inch:?}");
+}

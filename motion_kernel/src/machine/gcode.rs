@@ -173,6 +173,8 @@ fn dialect(section: Section<'_, '_>) -> DialectOptions {
         g_system_a: section.flag("g_system_a"),
         radius_correction: section.flag("radius_correction"),
         exact_in_position: section.flag("exact_in_position"),
+        feed_per_revolution: section.flag("feed_per_revolution"),
+        corner_angle: section.number_if_given("corner_angle", "degree", 0.0..=180.0),
         equal_tolerance: section.number_if_given("equal_tolerance", "", 0.0..=1.0),
     };
     section.done();
@@ -192,6 +194,8 @@ fn outputs(section: Section<'_, '_>) -> OutputMasks {
         coolant1: lines(&section, "coolant1", default.coolant1),
         coolant2: lines(&section, "coolant2", default.coolant2),
         clamp: lines(&section, "clamp", default.clamp),
+        clamp_wait: lines(&section, "clamp_wait", 0),
+        unclamp_wait: lines(&section, "unclamp_wait", 0),
     };
     section.done();
     masks

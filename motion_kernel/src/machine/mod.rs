@@ -279,6 +279,10 @@ pub struct DialectOptions {
     pub radius_correction: Option<bool>,
     /// Exact stops wait for the in-position window.
     pub exact_in_position: Option<bool>,
+    /// A program starts with G95.
+    pub feed_per_revolution: Option<bool>,
+    /// Corners above this angle stop, degrees.
+    pub corner_angle: Option<f64>,
     /// EQ and NE hold within this difference; 0 = exactly.
     pub equal_tolerance: Option<f64>,
 }
@@ -302,11 +306,22 @@ pub struct OutputMasks {
     /// M07.
     pub coolant2: u32,
     pub clamp: u32,
+    /// Inputs that M10 and M11 wait for.
+    pub clamp_wait: u32,
+    pub unclamp_wait: u32,
 }
 
 impl Default for OutputMasks {
     fn default() -> Self {
-        OutputMasks { spindle_cw: 1, spindle_ccw: 1 << 1, coolant1: 1 << 2, coolant2: 1 << 3, clamp: 1 << 4 }
+        OutputMasks {
+            spindle_cw: 1,
+            spindle_ccw: 1 << 1,
+            coolant1: 1 << 2,
+            coolant2: 1 << 3,
+            clamp: 1 << 4,
+            clamp_wait: 0,
+            unclamp_wait: 0,
+        }
     }
 }
 
@@ -334,7 +349,7 @@ pub struct MFunction {
     pub ci: Option<(u32, i32)>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tool {
     pub number: u32,
     pub length: f64,

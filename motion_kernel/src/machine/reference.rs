@@ -199,6 +199,12 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ("gcode.dialect.g_system_a", "G-code system A: G98, G99 are G94, G95; G90, G92, G94 are cycles (GC317).", "false"),
     ("gcode.dialect.radius_correction", "G41 and G42 are available; else GC312.", "true"),
     ("gcode.dialect.exact_in_position", "G60, G61, G09 wait for the in-position window of all axes.", "false"),
+    ("gcode.dialect.feed_per_revolution", "A program starts with G95.", "false"),
+    (
+        "gcode.dialect.corner_angle",
+        "Corners above this angle between two moves stop (section 9).",
+        "180 with LookAhead, else 1",
+    ),
     ("gcode.dialect.equal_tolerance", "EQ and NE hold within this difference; 0 = exactly.", "0"),
     ("gcode.nfrax", "Rotary axes that do not count for the path length (NFRAX).", "[]"),
     ("gcode.spindle.axis", "Rotary axis with letter \"\" that cuts threads (G33, G84) in its position loop.", "none"),
@@ -213,6 +219,8 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ("gcode.outputs.coolant1", "Digital outputs of M08.", "[3]"),
     ("gcode.outputs.coolant2", "Digital outputs of M07.", "[4]"),
     ("gcode.outputs.clamp", "Digital outputs of M10, M11.", "[5]"),
+    ("gcode.outputs.clamp_wait", "Inputs that M10 waits for.", "[]"),
+    ("gcode.outputs.unclamp_wait", "Inputs that M11 waits for.", "[]"),
     (
         "gcode.m.number",
         "M function without a meaning of its own: 12, 15, 16, 18, 20-28, 31-35, 50-59, 61, 67-97, 100-999.",

@@ -235,6 +235,7 @@ impl Out {
         self.option("integer_increment", &d.integer_increment, |value| number(*value));
         self.option("peck_clearance", &d.peck_clearance, |value| number(*value));
         self.option("main_loop", &d.main_loop, u32::to_string);
+        self.option("corner_angle", &d.corner_angle, |value| number(*value));
         self.option("equal_tolerance", &d.equal_tolerance, |value| number(*value));
         let flags = [
             ("macros", d.macros),
@@ -255,6 +256,7 @@ impl Out {
             ("g07_g08", d.g07_g08),
             ("g_system_a", d.g_system_a),
             ("radius_correction", d.radius_correction),
+            ("feed_per_revolution", d.feed_per_revolution),
             ("exact_in_position", d.exact_in_position),
         ];
         for (key, flag) in flags {
@@ -269,6 +271,8 @@ impl Out {
             ("coolant1", o.coolant1),
             ("coolant2", o.coolant2),
             ("clamp", o.clamp),
+            ("clamp_wait", o.clamp_wait),
+            ("unclamp_wait", o.unclamp_wait),
         ];
         for (key, mask) in masks {
             self.value(key, lines(mask));
