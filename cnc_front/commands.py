@@ -8,6 +8,7 @@ import os
 import sys
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from cnc_front.diagnostics import Diagnostic
@@ -21,6 +22,7 @@ from cnc_front.jobs import (
     compile_job,
     diagnose,
     load_machine,
+    load_stimulus,
     read_job,
 )
 from cnc_front.messages import language_from, text
@@ -92,12 +94,14 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     language = language_from(options.lang)
     progress = Progress(language, quiet=options.quiet)
     run_options = RunOptions(parse_schedule(options.override), options.max_time, interrupted, progress)
-    inputs = [options.job, options.machine or ""]
+    inputs = [options.job, options.machine or "", options.stimulus or ""]
     record = outputs.check_recording(options.record, inputs) if options.record else None
     report = outputs.check_report(options.report, inputs) if options.report else None
     loaded = _Loaded()
     try:
         job = loaded.load(options)
+        if options.stimulus:
+            run_options = replace(run_options, stimulus=load_stimulus(options.stimulus, job.machine))
     except CompileError as error:
         _print_diagnostics(error.diagnostics, options)
         if options.json:

@@ -39,6 +39,14 @@ class AlarmEvent:
 
 
 @dataclass(frozen=True, slots=True)
+class Fault:
+    """The alarm that stopped a job, and where the axes were."""
+
+    alarm: AlarmEvent
+    position: dict[str, float]
+
+
+@dataclass(frozen=True, slots=True)
 class HostEvent:
     """Something the program told the application in step with motion: M00, M06, MSG, T ..."""
 
@@ -78,6 +86,8 @@ class Execution:
     job: CompiledJob
     schedule: Schedule = ((0.0, 1.0),)
     max_machine_s: float = math.inf
+    #: what the world outside does, beside the rules of the machine file
+    stimulus: native_kernel.Stimulus | None = None
     #: run and batch acknowledge M00, M06 ... at the next sample (design D29); the terminal waits for the operator
     acknowledges: bool = True
     mcu: native_kernel.Mcu = field(init=False)
@@ -87,6 +97,8 @@ class Execution:
     log: list[LogEntry] = field(init=False, default_factory=list)
     output: str = field(init=False, default="")
     end: End | None = field(init=False, default=None)
+    #: what stopped the job; it ends once the axes stand
+    fault: Fault | None = field(init=False, default=None)
     #: number of the runtime error and line of a task that stopped
     task_error: tuple[int, int] | None = field(init=False, default=None)
     #: command (ssf number) that waits for the application while `acknowledges` is off
@@ -106,6 +118,8 @@ class Execution:
         self._events = self.job.program.events()
         self.mcu = native_kernel.Mcu(machine)
         self.mcu.prepare_gcode()
+        if self.stimulus is not None:
+            self.mcu.add_stimulus(self.stimulus)
         self.mcu.load(0, self.job.program)
         self._pending = deque((round(t / self.sample_time_s), f) for t, f in self.schedule)
         self._take_initial_override(machine.trovrst_s)
@@ -153,13 +167,15 @@ class Execution:
         return samples
 
     def _react(self, stop: str, value: int) -> None:
-        if stop == "finished":
+        if stop == "fault":
+            self._stop_at_fault(value)
+        elif stop == "finished" and self.fault is not None:
+            self.end = End.FAULT
+        elif stop == "finished":
             self.stepped = self.mcu.rdcncts(0)[2] & WAITS_FOR_STEP != 0
             self.end = None if self.stepped else End.FINISHED
         elif stop == "held":
             self.held = True
-        elif stop == "fault":
-            self.end = End.FAULT
         elif stop == "task_error":
             self.end = End.TASK_ERROR
         elif stop == "acknowledge":
@@ -168,6 +184,20 @@ class Execution:
                 self.acknowledge()
         if self.end is None and self.machine_time_s >= self.max_machine_s:
             self.end = End.TIME_LIMIT
+
+    def _stop_at_fault(self, axis: int) -> None:
+        """What an application does: it stops all axes, and the job ends as they stand. Further faults change nothing."""
+        if self.fault is not None:
+            return
+        name = self._axes[axis]
+        alarm = next(
+            (a for a in self.alarms if a.axis == name and a.t_s == self.alarms[-1].t_s),
+            self.alarms[-1] if self.alarms else AlarmEvent(self.machine_time_s, name, 0, "", 0),
+        )
+        loads = (float(values["load"]) for values in self.mcu.status()["axes"])
+        self.fault = Fault(alarm, dict(zip(self._axes, loads, strict=True)))
+        self.mcu.stop_job()
+        self.waits, self.held, self.stepped = 0, False, False
 
     def acknowledge(self) -> None:
         """The operator has done what the program waits for."""

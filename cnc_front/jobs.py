@@ -37,6 +37,19 @@ class MachineFile:
 
 
 @dataclass(frozen=True, slots=True)
+class StimulusFile:
+    """What the world outside does in a run, and where that stands."""
+
+    path: str
+    sha256: str
+    stimulus: native_kernel.Stimulus
+
+    def as_json(self) -> dict[str, str]:
+        """For the object of `run --json`."""
+        return {"path": shown(self.path), "sha256": self.sha256}
+
+
+@dataclass(frozen=True, slots=True)
 class JobSource:
     """The bytes of a job, read once."""
 
@@ -144,6 +157,16 @@ def load_machine(path: str | None, job: str | None = None) -> MachineFile:
     except native_kernel.MachineError as error:
         raise CompileError([Diagnostic(*row) for row in error.args[0]]) from None
     return MachineFile(path, data.decode("utf-8"), hashlib.sha256(data).hexdigest(), machine)
+
+
+def load_stimulus(path: str, machine: MachineFile) -> StimulusFile:
+    """The stimulus at `path` for the axes of a machine; raises CompileError (ST100 ...)."""
+    data = read_bytes(path, MACHINE_BYTES, "ST100")
+    try:
+        stimulus = native_kernel.Stimulus.parse(data, shown(path), machine.machine)
+    except native_kernel.MachineError as error:
+        raise CompileError([Diagnostic(*row) for row in error.args[0]]) from None
+    return StimulusFile(path, hashlib.sha256(data).hexdigest(), stimulus)
 
 
 def diagnose(

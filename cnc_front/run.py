@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import toolpaths as native_paths
 from cnc_front.execution import End, Execution, Happened
-from cnc_front.jobs import CompiledJob
+from cnc_front.jobs import CompiledJob, StimulusFile
 from cnc_front.schedule import Schedule
 
 #: Samples per chunk: large enough that Python costs nothing, small enough to answer Ctrl+C within a blink.
@@ -48,6 +48,8 @@ class RunOptions:
     interrupted: Callable[[], bool] = lambda: False
     #: told after every chunk how far the run is
     progress: Callable[[Execution], None] = lambda execution: None
+    #: what the world outside does
+    stimulus: StimulusFile | None = None
 
 
 @dataclass(slots=True)
@@ -76,7 +78,8 @@ def dry_run(
     """Runs a compiled job to its end, or until something stops it, and measures it against its path."""
     begun = time.monotonic()
     path = native_paths.Path(job.program.sequence())
-    execution = Execution(job, options.schedule, options.max_time_s)
+    stimulus = options.stimulus.stimulus if options.stimulus else None
+    execution = Execution(job, options.schedule, options.max_time_s, stimulus=stimulus)
     machine = job.machine.machine
     tracker = native_paths.Tracker(
         path,

@@ -186,5 +186,6 @@ def _last_message(run: SimRun) -> str:
 
 def _alarm(event: AlarmEvent, run: SimRun, language: str) -> Alarm:
     code, text = alarm_text(event.name, event.bit, event.axis, language)
-    stopped = run.execution.end is End.FAULT and event is run.execution.alarms[-1]
+    fault = run.execution.fault
+    stopped = fault is not None and event is fault.alarm
     return Alarm(event.t_s, code, event.axis, event.line, text, stopped)

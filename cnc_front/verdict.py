@@ -55,9 +55,8 @@ def _why_stopped(result: RunResult) -> Reason | None:
         number, line = execution.task_error or (0, 0)
         return Reason("task_error", {"errnum": number, "line": line})
     if execution.end is End.FAULT:
-        alarm = execution.alarms[-1] if execution.alarms else None
-        where = {"axis": alarm.axis, "name": alarm.name, "line": alarm.line} if alarm else {}
-        return Reason("fault", {"axis": "", "name": "", "line": 0, **where})
+        alarm = execution.fault.alarm
+        return Reason("fault", {"axis": alarm.axis, "name": alarm.name, "line": alarm.line, "t_s": alarm.t_s})
     if execution.end is End.TIME_LIMIT:
         return Reason("time_limit", {"seconds": result.options.max_time_s})
     if execution.end is End.INTERRUPTED:
@@ -87,7 +86,7 @@ def _findings(result: RunResult, limit: float) -> tuple[Reason, ...]:
 KEYS = (
     *("schema", "job", "machine", "status", "error", "machine_time_s", "wall_time_s", "samples", "sample_time_us"),
     *("commands", "path_length_mm", "merged", "deviation", "following_error", "feed", "override", "time_optimal_s"),
-    *("alarms", "error_register", "output", "files", "diagnostics"),
+    *("alarms", "error_register", "output", "files", "diagnostics", "stimulus"),
 )
 EMPTY: dict[str, Any] = dict.fromkeys(KEYS)
 SCHEMA = "cnc-front/run/1"
@@ -140,6 +139,7 @@ def run_object(result: RunResult, verdict: Verdict, files: dict[str, str | None]
             "schema": SCHEMA,
             "job": job_object(job.source, job.source.path),
             "machine": machine_object(job.machine, job.machine.path),
+            "stimulus": result.options.stimulus.as_json() if result.options.stimulus else None,
             "status": result.status,
             "error": _error(result),
             "machine_time_s": execution.machine_time_s,
@@ -215,7 +215,15 @@ def _error(result: RunResult) -> dict[str, Any] | None:
         "column": None,
         "task": 0 if failed else None,
         "errnum": stopped.values["errnum"] if failed else None,
-    }
+    } | _place(result)
+
+
+def _place(result: RunResult) -> dict[str, Any]:
+    """Which axis a fault was of, when, and where the loads of all axes were."""
+    fault = result.execution.fault
+    if fault is None or result.execution.end is not End.FAULT:
+        return {}
+    return {"axis": fault.alarm.axis, "name": fault.alarm.name, "t_s": fault.alarm.t_s, "position": fault.position}
 
 
 def _deviation(values: dict[str, Any], names: list[str]) -> dict[str, Any]:

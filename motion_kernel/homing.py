@@ -64,3 +64,23 @@ class Homing(Driver):
     def wrlpndx(self, axis: AxisId, lp: float) -> None:
         """Sets the position latched by the index."""
         self._write(axis, "lpndx", lp)
+
+    @command("4.4.25", "s")
+    def lpr(self, san: AxisId, let: float, lst: float = 0.0) -> None:
+        """Records one axis for the graphic system analysis: for `let` s, beginning `lst` s from now. ValueError for
+        times that are none."""
+        self.lprs([san], let, lst)
+
+    @command("4.4.26", "s")
+    def lprs(self, axes: Axes, let: float, lst: float = 0.0) -> None:
+        """As lpr for several axes in step: at most 1000 values each, `analysis` has them."""
+        if not self._mcu.lprs(self._indices(axes), lst, let):
+            raise ValueError(f"lprs: duration {let} and delay {lst} must be times, and an axis is needed")
+
+    def analysis(self, axis: AxisId) -> dict[str, list[float]]:
+        """What lpr or lprs recorded of an axis so far: times in s since boot, dp, rp, dv, rv and mcp; empty lists for
+        an axis that was not recorded."""
+        first, every, columns = self._mcu.analysis(self._index(axis))
+        sample_time_s = self.machine.sample_time_s
+        times = [(first + n * every + 1) * sample_time_s for n in range(len(columns["dp"]))]
+        return {"t_s": times, **columns}

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from cnc_front._native import motion_kernel as native
 from motion_kernel.commands import command
 from motion_kernel.driver import AxisId, Driver, InterruptRoutine
+from motion_kernel.machine import Diagnostic, MachineError
 from motion_kernel.registers import Axst, ControllerFlags, Digi, ErrorReg, Ifs, ModeReg
 
 AXIS_FAULTS = ("cut_encoder", "drop_drive", "block")
@@ -123,6 +125,16 @@ class Status(Driver):
         if axis is None and fault in AXIS_FAULTS:
             raise ValueError(f"{fault}: name the axis")
         self._mcu.play(fault, 0 if axis is None else self._index(axis), deep if fault in CARD_FAULTS else on)
+
+    def add_stimulus(self, text: str) -> None:
+        """The world outside: rules that switch inputs and play faults from now on, e.g. `when X > 100: X blocked`
+        (docs/stimulus.md). MachineError with every finding of the text."""
+        machine = self.machine.native
+        try:
+            stimulus = native.Stimulus.parse(text.encode(), "<stimulus>", machine)
+        except native.MachineError as error:
+            raise MachineError(tuple(Diagnostic(*row) for row in error.args[0])) from None
+        self._mcu.add_stimulus(stimulus)
 
 
 class CardRegisters(Driver):

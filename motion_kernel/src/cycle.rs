@@ -37,6 +37,9 @@ impl Mcu {
         self.check_synchronism();
         self.watch_limits();
         self.close_sample();
+        if self.attention.recording {
+            self.record_analysis();
+        }
         self.record(trace);
         self.sample += 1;
     }
@@ -349,7 +352,7 @@ impl Mcu {
         if on && changed & self.stop_at.0 != 0 {
             self.tell_fault(a);
         }
-        let line = self.current_move(a).map_or(0, |mv| mv.line);
+        let line = self.current_move(a).or_else(|| self.current_move(self.leader)).map_or(0, |mv| mv.line);
         for &(number, name, _) in Axst::ALL {
             if changed >> number & 1 == 1 {
                 self.event(EventKind::Axst, a as i32, name, on, line, i64::from(number));

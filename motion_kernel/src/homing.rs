@@ -88,7 +88,7 @@ impl Mcu {
         }
         (axis.alone, _) = Profile::stopping(0.0, f64::INFINITY, v.abs(), brake_acc, 0.0, jerkrel);
         (axis.component.base, axis.component.p) = (axis.dp, v.signum());
-        (axis.doing, axis.t, axis.jogging) = (Doing::Alone, 0.0, false);
+        (axis.doing, axis.t, axis.jogging, axis.dv) = (Doing::Alone, 0.0, false, v);
     }
 
     /// The actual position gets the coordinate `tp` (axis units): home position, the axis is referenced and its software

@@ -4,6 +4,7 @@
 //! and inputs give the same trace to the last bit. Emulated time is an integer sample counter.
 //! Chapters named in comments are those of the manufacturer's programming manual.
 
+pub mod analysis;
 mod attention;
 pub mod autocode;
 pub mod axes;

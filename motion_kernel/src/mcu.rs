@@ -2,6 +2,7 @@
 //!
 //! [`Mcu::advance`] is the only way time passes; commands act between samples (pcap.rs, hold.rs).
 
+use crate::analysis::Analysis;
 use crate::attention::Attention;
 use crate::autocode::Program;
 use crate::axes::{AxisSet, MAX_AXES};
@@ -116,6 +117,7 @@ pub struct Mcu {
     pub(crate) attention: Attention,
     pub(crate) attending: bool,
     pub(crate) player: Player,
+    pub(crate) analysis: Analysis,
     /// Status bits that end a job.
     pub(crate) stop_at: Axst,
     pub(crate) axis_inputs: Vec<crate::limits::AxisInputs>,
@@ -185,6 +187,7 @@ impl Mcu {
             attention: Attention::default(),
             attending: false,
             player: Player::default(),
+            analysis: Analysis::for_axes(machine.axes.len()),
             stop_at: Axst(0),
             axis_inputs: crate::limits::AxisInputs::of(&machine),
             tasks: std::array::from_fn(|_| Task::default()),

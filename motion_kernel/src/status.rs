@@ -131,6 +131,7 @@ impl Mcu {
     /// What the application does at a fault: tasks stop and all axes with them, in their loops as far as there is power.
     pub fn stop_job(&mut self) {
         (0..self.tasks.len()).for_each(|task| self.stopcnct(task));
+        (self.holding, self.block_hold) = (false, false);
         let all = self.all_axes();
         let dead = |a: usize| self.axes[a].status.any(Axst::eo | Axst::dnr);
         let without_power: AxisSet = (0..self.axes.len()).filter(|&a| dead(a)).collect();

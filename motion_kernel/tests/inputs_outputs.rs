@@ -259,3 +259,21 @@ fn bit_20_of_the_error_register_belongs_to_an_option() {
     mcu.ctru(99, 99);
     assert!(mcu.errorreg().0.count_ones() >= 3 && mcu.errorreg().0 >> 20 == 0);
 }
+
+// shows: axst.cef, axst.cef.after-reset, axst.cef.after-txbf2
+#[test]
+fn system_data_of_another_drive_are_a_configuration_error() {
+    let mill = Machine::builtin();
+    let mut other = mill.clone();
+    other.axes[1].drive = motion_kernel::machine::DriveKind::Stepper;
+    let mut mcu = Mcu::new(Arc::new(mill.clone()));
+    let errors = |mcu: &Mcu| [0, 1, 2].map(|a| mcu.axst(a).has(Axst::cef));
+    mcu.rs();
+    assert_eq!(errors(&mcu), [false; 3]);
+    mcu.initialise(Arc::new(other));
+    assert_eq!(errors(&mcu), [false, true, false], "after the transfer");
+    mcu.rs();
+    assert_eq!(errors(&mcu), [false, true, false], "and after a reset");
+    mcu.initialise(Arc::new(mill));
+    assert_eq!(errors(&mcu), [false; 3]);
+}

@@ -4,6 +4,7 @@ mod common;
 
 use common::*;
 use motion_kernel::Mcu;
+use motion_kernel::analysis::LatchInfos;
 use motion_kernel::machine::{Encoder, Machine};
 use motion_kernel::registers::{Axst, Digi, ModeReg};
 use motion_kernel::stimulus::Stimulus;
@@ -149,4 +150,41 @@ fn with_encoder_feedback_the_auxiliary_channel_is_latched() {
     let from_encoder = (mcu.encoder_counts(0) as f64 * 2.5).round() / 10_000.0;
     close(mcu.rdlp(0), from_encoder, 1e-9);
     assert!(mcu.rddp(0) - mcu.rdlp(0) > 0.5, "the steps went on, the encoder did not");
+}
+
+// shows: pcap.lpr, pcap.lprs, pcap.lprs.san-ignored
+#[test]
+fn the_system_analysis_records_a_thousand_values() {
+    let mut mcu = travelling("");
+    let infos = LatchInfos { san: 1, lst: 0.0, let_: 100.0 * TA };
+    assert!(mcu.lpr(&infos));
+    let mut rp = Vec::new();
+    for _ in 0..100 {
+        assert!(mcu.analysis().is_running());
+        mcu.run(1);
+        rp.push(mcu.rdrp(1));
+    }
+    mcu.run(100);
+    assert!(!mcu.analysis().is_running());
+    assert_eq!(mcu.analysis().column(1, "rp"), Some(rp), "every sample of its axis");
+    assert_eq!(mcu.analysis().column(0, "rp"), None);
+
+    assert!(mcu.lprs(set(&[0, 2]), &LatchInfos { san: 17, lst: 10.0 * TA, let_: 2500.0 * TA }));
+    let first = mcu.samples() + 10;
+    let (mut x, mut z) = (Vec::new(), Vec::new());
+    for _ in 0..3000 {
+        mcu.run(1);
+        let sample = mcu.samples() - 1;
+        if sample >= first && (sample - first).is_multiple_of(3) && x.len() < 834 {
+            x.push(mcu.rddp(0));
+            z.push(f64::from(mcu.rdmcp(2)));
+        }
+    }
+    assert_eq!((mcu.analysis().first_sample, mcu.analysis().every), (first, 3), "at most 1000 values");
+    assert_eq!((mcu.analysis().column(0, "dp"), mcu.analysis().column(2, "mcp")), (Some(x), Some(z)));
+    assert_eq!(mcu.analysis().axes(), set(&[0, 2]), "san has no meaning");
+    for bad in [f64::NAN, -1.0, 0.0] {
+        assert!(!mcu.lprs(set(&[0]), &LatchInfos { let_: bad, ..infos }));
+    }
+    assert!(!mcu.lpr(&LatchInfos { san: 3, ..infos }));
 }

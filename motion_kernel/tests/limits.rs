@@ -178,6 +178,23 @@ fn an_smd_switch_brakes_with_sdec() {
 }
 
 #[test]
+fn a_second_stop_while_an_axis_brakes_changes_nothing() {
+    let course = |stops: usize| {
+        let mut mcu = switched("LSR_SMD", false);
+        mcu.run(200);
+        (0..stops).for_each(|_| mcu.js(set(&[0])));
+        let mut course = Vec::new();
+        for _ in 0..100 {
+            mcu.run(1);
+            course.push(mcu.rddp(0));
+        }
+        course
+    };
+    let (once, twice) = (course(1), course(2));
+    assert!(once.iter().zip(&twice).all(|(a, b)| (a - b).abs() < 1e-12) && once[99] > once[0] + 0.5);
+}
+
+#[test]
 fn a_jog_into_an_smd_switch_is_braked() {
     let mut mcu = switched("LSR_SMD", false);
     mcu.run(2000);

@@ -10,12 +10,15 @@ import pytest
 
 from cnc_front import run as run_module
 from cnc_front.errors import Exit
-from cnc_front.execution import AlarmEvent, End
+from cnc_front.execution import AlarmEvent, End, Fault
 from cnc_front.jobs import CompileOptions, JobSource, compile_job, load_machine
 from cnc_front.run import RunOptions, dry_run
 from cnc_front.verdict import judge
 
 ALARM = AlarmEvent(1.5, "X", 7, "mpe", 12)
+
+
+FAULT = Fault(ALARM, {"X": 1.0})
 
 
 def result(
@@ -33,7 +36,7 @@ def result(
             machine=SimpleNamespace(machine=SimpleNamespace(tolerance_mm=0.05)), warnings=[None] * warnings
         ),
         options=SimpleNamespace(max_time_s=9.0),
-        execution=SimpleNamespace(end=end, alarms=list(alarms), task_error=(8, 4)),
+        execution=SimpleNamespace(end=end, alarms=list(alarms), task_error=(8, 4), fault=FAULT),
         summary={
             "actual": {"max_mm": actual, "worst": worst},
             "setpoint": {"max_mm": setpoint, "worst": worst},

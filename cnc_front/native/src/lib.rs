@@ -10,6 +10,7 @@ mod paths;
 mod pcap;
 mod program;
 mod record;
+mod stimulus;
 mod sympas;
 
 /// Adds a submodule and makes `from cnc_front._native.NAME import X` work.

@@ -21,17 +21,21 @@ pub struct Machine {
 
 pub type Row = (String, u32, u32, u32, String, String, String);
 
+/// Findings as the error that carries their rows.
+pub fn error_of(list: Vec<machine::MachineDiagnostic>, filename: &str) -> PyErr {
+    let row = |d: machine::MachineDiagnostic| -> Row {
+        (filename.to_owned(), d.line, d.column, d.end_column, d.id.to_owned(), d.message, d.hint)
+    };
+    MachineError::new_err((list.into_iter().map(row).collect::<Vec<Row>>(),))
+}
+
 #[pymethods]
 impl Machine {
     /// Reads the bytes of a machine file; raises MachineError with all findings.
     #[staticmethod]
     fn parse(bytes: &[u8], filename: &str) -> PyResult<Machine> {
-        machine::Machine::parse(bytes).map(|inner| Machine { inner: Arc::new(inner) }).map_err(|list| {
-            let row = |d: machine::MachineDiagnostic| -> Row {
-                (filename.to_owned(), d.line, d.column, d.end_column, d.id.to_owned(), d.message, d.hint)
-            };
-            MachineError::new_err((list.into_iter().map(row).collect::<Vec<Row>>(),))
-        })
+        let parsed = machine::Machine::parse(bytes);
+        parsed.map(|inner| Machine { inner: Arc::new(inner) }).map_err(|list| error_of(list, filename))
     }
     /// The built-in 3-axis mill.
     #[staticmethod]

@@ -1,0 +1,14 @@
+(a rounded rectangle of 60 x 40 mm, spooled as one contour)
+G21 G90 G54 G17
+G0 X0 Y0 Z0
+G1 Z-1 F1200
+G1 X50 F3000
+G3 X60 Y10 I0 J10
+G1 Y30
+G3 X50 Y40 I-10 J0
+G1 X0
+G3 X-10 Y30 I0 J-10
+G1 Y10
+G3 X0 Y0 I10 J0
+G0 Z5
+M30
