@@ -186,7 +186,7 @@ class Execution:
             self.end = End.TIME_LIMIT
 
     def _stop_at_fault(self, axis: int) -> None:
-        """What an application does: it stops all axes, and the job ends as they stand. Further faults change nothing."""
+        """An application would stop all axes; the job ends as they stand. Further faults change nothing."""
         if self.fault is not None:
             return
         name = self._axes[axis]

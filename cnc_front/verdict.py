@@ -54,7 +54,7 @@ def _why_stopped(result: RunResult) -> Reason | None:
     if execution.end is End.TASK_ERROR:
         number, line = execution.task_error or (0, 0)
         return Reason("task_error", {"errnum": number, "line": line})
-    if execution.end is End.FAULT:
+    if execution.end is End.FAULT and execution.fault is not None:
         alarm = execution.fault.alarm
         return Reason("fault", {"axis": alarm.axis, "name": alarm.name, "line": alarm.line, "t_s": alarm.t_s})
     if execution.end is End.TIME_LIMIT:

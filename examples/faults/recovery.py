@@ -38,4 +38,6 @@ def main() -> tuple[float, float, float]:
 
 if __name__ == "__main__":
     error_mm, jump_mm, end_mm = main()
-    print(f"blocked with {error_mm:.3f} mm of following error, free with a jump of {jump_mm:.4f} mm, ends at {end_mm:.4f}")
+    print(
+        f"blocked with {error_mm:.3f} mm of following error, free with a jump of {jump_mm:.4f} mm, ends at {end_mm:.4f}"
+    )
