@@ -186,7 +186,18 @@ fn large_texts_end_in_good_time() {
         (0..20_000).map(|n| format!("procedure P{n}; begin end;\n")).collect::<String>() + "begin end.",
         (0..40_000).map(|n| format!("const c{n} = {n};\n")).collect::<String>() + "begin writeln(c39999); end.",
         many(&format!("i := {};\n", ["1"; 250].join(" + ")), 2_000),
+        (0..100_000).map(|n| format!("x{n} := y{n};\n")).collect::<String>() + "begin end.",
+        "begin ".to_owned() + &(0..100_000).map(|n| format!("x{n} := y{n};\n")).collect::<String>() + "end.",
+        "var v: integr; begin ".to_owned()
+            + &(0..100_000).map(|n| format!("x{n} := 1;\n")).collect::<String>()
+            + "end.",
         "{".repeat(1_000_000),
+        format!("begin mla({}); end.", vec!["A1 := 1"; 300_000].join(",")),
+        format!(
+            "var {0} : axis; begin ol({1}); ol({1}); end.",
+            (0..8_000).map(|n| format!("V{n}")).collect::<Vec<_>>().join(","),
+            (0..8_000).map(|n| format!("V{n}")).collect::<Vec<_>>().join(",")
+        ),
         "begin ".to_owned() + &"A".repeat(3_000_000),
     ];
     for text in texts {

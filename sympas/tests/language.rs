@@ -208,6 +208,11 @@ fn functions() {
     check_file("functions.src");
 }
 
+#[test]
+fn fragments_of_the_manual() {
+    check_file("fragments.src");
+}
+
 // shows: sympas.stdid.abort, sympas.stdid.cl, sympas.stdid.contcnct, sympas.stdid.disev, sympas.stdid.enev
 // shows: sympas.stdid.ja, sympas.stdid.jaw, sympas.stdid.jhi, sympas.stdid.jhiw, sympas.stdid.jhl, sympas.stdid.jhlw
 // shows: sympas.stdid.jhr, sympas.stdid.jhrw, sympas.stdid.jr, sympas.stdid.jrw, sympas.stdid.js, sympas.stdid.jsw

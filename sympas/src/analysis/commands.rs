@@ -1,5 +1,6 @@
 //! Commands (6.6): the forms of their arguments.
 
+use motion_kernel::axes::MAX_AXES;
 use motion_kernel::sap::code::Slot;
 use motion_kernel::sap::tables::{Command, Event, Form, SystemParameter, TaskCommand, Type, command};
 
@@ -104,7 +105,7 @@ impl Analyser<'_> {
             let span = syntax.name.as_ref().map_or(syntax.value.span, |n| n.span);
             match argument {
                 Argument::Axis(slot) | Argument::Value(slot, _) => {
-                    if axes.contains(slot) {
+                    if axes.len() <= MAX_AXES && axes.contains(slot) {
                         let name = syntax.name.as_ref().map_or("", |n| &n.text);
                         self.report(Fault::new(Id::SW910, span).with(name));
                     }
@@ -117,6 +118,11 @@ impl Analyser<'_> {
                     given.push(*parameter);
                 }
             }
+        }
+        if axes.len() > MAX_AXES {
+            let what = Phrase::new("axes of a command", "Achsen eines Befehls");
+            self.report(Fault::new(Id::SP501, call.name.span).with(what).with(MAX_AXES));
+            return false;
         }
         let count = axis_count(form);
         let fits = (count.0..=count.1).contains(&axes.len());

@@ -109,9 +109,11 @@ impl Analyser<'_> {
     }
     /// Error 3, once per name and block.
     fn undeclared(&mut self, name: &ast::Name) {
-        let suggestion = self.scopes.suggest(&name.text).map(str::to_owned);
-        let fault = Fault::new(Id::E3, name.span).with(&name.text).suggest(suggestion.as_deref());
-        self.report(fault);
+        if !self.lost_names && !self.reports.stopped() {
+            let suggestion = self.scopes.suggest(&name.text).map(str::to_owned);
+            let fault = Fault::new(Id::E3, name.span).with(&name.text).suggest(suggestion.as_deref());
+            self.report(fault);
+        }
         self.scopes.poison(&name.text);
     }
     fn declare(&mut self, name: &ast::Name, symbol: Symbol) -> bool {

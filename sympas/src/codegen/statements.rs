@@ -169,13 +169,13 @@ impl Generator {
             Argument::Axis(_) => false,
             Argument::Value(_, e) | Argument::Parameter(_, e) => calls(e),
         };
+        let last_call = arguments.iter().rposition(called).unwrap_or(0);
         let mut operands = Vec::new();
         for (n, argument) in arguments.iter().enumerate() {
             match argument {
                 Argument::Axis(axis) => operands.push(Operand { axis: *axis, value: *axis }),
                 Argument::Value(axis, value) => {
-                    let later = arguments[n + 1..].iter().any(called);
-                    let value = self.stable(value, later);
+                    let value = self.stable(value, last_call > n);
                     operands.push(Operand { axis: *axis, value });
                 }
                 Argument::Parameter(parameter, value) => {
