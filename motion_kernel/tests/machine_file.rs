@@ -158,7 +158,7 @@ fn extreme_machines_run_without_panic() {
     let small = "kind = \"rotary\"\ncounts_per_unit = 1e-9\nrapid = 1e-9\nacceleration = 1e-9\neffradius = 1e-9\nslsp = 1e-9\n\
         plant = { control = \"torque\", lag_s = 0.0, full_speed = 1e-9, full_acceleration = 1e-9, inertia = 1e-3, \
         friction = 1e9, damping = 1e6 }";
-    let controller = "[controller]\nsample_ticks = 1000\nspool_memory_bytes = 4194304\nclock_hz = 1e9\n";
+    let controller = "[controller]\nsample_ticks = 1000\nspool_memory_bytes = 29826161\nclock_hz = 1e9\n";
     for numbers in [large, small] {
         let text: String = (0..18).map(|n| axis(n, numbers)).collect::<String>() + controller;
         let machine = Machine::parse(text.as_bytes()).expect("within bounds");
@@ -170,4 +170,19 @@ fn extreme_machines_run_without_panic() {
         mcu.run(200);
         assert!((0..18).all(|a| mcu.rdrp(a).is_finite() && mcu.status().axes[a].load.is_finite()));
     }
+}
+
+/// A million entries have room in three axes; what all axes have together is bounded.
+#[test]
+fn spool_memory_is_bounded_in_all() {
+    let machine = |axes: usize, bytes: u32| {
+        let numbers = "counts_per_unit = 1e4\nrapid = 100\nacceleration = 1000\n";
+        let axis = |n: usize| format!("[[axis]]\nname = \"A{n}\"\nletter = \"\"\n{numbers}");
+        let text = (0..axes).map(axis).collect::<String>() + &format!("[controller]\nspool_memory_bytes = {bytes}\n");
+        Machine::parse(text.as_bytes())
+    };
+    assert_eq!(machine(3, 128_000_000).err(), None);
+    let findings = machine(5, 128_000_000).expect_err("too much together");
+    assert_eq!((findings.len(), findings[0].id, findings[0].line), (1, "MC107", 32));
+    assert!(findings[0].message.contains("5 axes"), "{}", findings[0].message);
 }

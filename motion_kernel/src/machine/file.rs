@@ -53,7 +53,7 @@ impl Machine {
 pub(super) fn machine(file: Section<'_, '_>) -> Machine {
     let axes: Vec<Axis> = file.sections("axis").into_iter().map(axis).collect();
     check_axes(&file, &axes);
-    let controller = file.section("controller").map_or_else(Controller::default, controller);
+    let controller = file.section("controller").map_or_else(Controller::default, |part| controller(part, axes.len()));
     let gcode = match file.section("gcode") {
         Some(section) => gcode_defaults(section, &axes),
         None => GcodeDefaults::for_axes(axes.len()),
@@ -111,17 +111,24 @@ impl Default for Controller {
     }
 }
 
-fn controller(section: Section<'_, '_>) -> Controller {
+/// Bytes that the spoolers of all axes may have together; the emulator takes about six times as much.
+const SPOOL_MEMORY_IN_ALL: u64 = 1 << 29;
+
+fn controller(section: Section<'_, '_>, axes: usize) -> Controller {
     let default = Controller::default();
     let controller = Controller {
         sample_ticks: section.integer("sample_ticks", 1..=1_000, default.sample_ticks),
-        spool_memory_bytes: section.integer("spool_memory_bytes", 4_096..=1 << 22, default.spool_memory_bytes),
+        spool_memory_bytes: section.integer("spool_memory_bytes", 4_096..=1 << 28, default.spool_memory_bytes),
         direct_latency: section.integer("direct_latency", 0..=100, default.direct_latency),
         statements_per_sample: section.integer("statements_per_sample", 1..=100_000, default.statements_per_sample),
         lookahead_depth: section.integer("lookahead_depth", 0..=1_000_000, default.lookahead_depth),
         clock_hz: section.number("clock_hz", "Hz", 1e6..=1e9, default.clock_hz),
         stop_at: stop_at(&section).unwrap_or(default.stop_at),
     };
+    if u64::from(controller.spool_memory_bytes) * axes as u64 > SPOOL_MEMORY_IN_ALL {
+        let bound = format!("{axes} axes have more than {SPOOL_MEMORY_IN_ALL} bytes together");
+        section.finding("spool_memory_bytes", "MC107", &bound);
+    }
     section.done();
     controller
 }

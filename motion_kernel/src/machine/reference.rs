@@ -45,7 +45,7 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ("tolerance_mm", "Verdict of a run: largest deviation of the load side from the programmed contour.", ""),
     ("stimulus", "What the world outside does in every run: rules as in `docs/stimulus.md`.", "none"),
     ("controller.sample_ticks", "Sample time TA in units of 64 us (2.1.2.3); 20 = 1.28 ms.", ""),
-    ("controller.spool_memory_bytes", "Spool memory of each axis (2.2.8).", ""),
+    ("controller.spool_memory_bytes", "Spool memory of each axis (2.2.8); all axes together at most 536870912.", ""),
     ("controller.direct_latency", "Samples from a direct command to its effect (design D2).", ""),
     ("controller.statements_per_sample", "Statements of a CNC task in one sample (design D4).", ""),
     ("controller.lookahead_depth", "Entries that the look-ahead considers; 0 = all that are spooled.", ""),
