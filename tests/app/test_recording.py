@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import json
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -86,6 +89,48 @@ def test_the_same_run_gives_the_same_bytes(cli: Cli, tmp_path: Path, job: Callab
     for name in ("a", "b"):
         assert cli("run", part, "--record", tmp_path / f"{name}.mcap").code == 0
     assert (tmp_path / "a.mcap").read_bytes() == (tmp_path / "b.mcap").read_bytes()
+
+
+def test_a_full_disk_is_an_answer_not_a_traceback(tmp_path: Path) -> None:
+    """The file may grow to 300 kB: the error arises in the thread that writes, and comes with a later call."""
+    limited = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, 300_000));"
+    run = "from cnc_front.cli import run_command_line; sys.exit(run_command_line(sys.argv[1:]))"
+    path = tmp_path / "cam.mcap"
+    command = [sys.executable, "-c", limited + run, "run", CAM, "--record", path]
+    ran = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=120)
+    assert ran.returncode == 3 and "Traceback" not in ran.stderr
+    assert f"cnc-front: {path}: File too large" in ran.stderr
+    assert path.stat().st_size == 300_000
+
+
+def test_after_an_error_a_recording_stays_closed(tmp_path: Path) -> None:
+    write = """
+import resource, sys
+from cnc_front._native import recording
+from cnc_front.execution import Execution
+from cnc_front.jobs import CompileOptions, compile_job, load_machine, read_job
+import numpy as np
+execution = Execution(compile_job(read_job(sys.argv[1]), load_machine(None), CompileOptions()))
+chunk = max(iter(lambda: execution.advance(50_000), None), key=len)
+writer = recording.Writer(sys.argv[2], ["X", "Y", "Z"], 1.28e-3, [], {})
+resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+errors = []
+for _ in range(20):
+    try:
+        writer.write(chunk, np.zeros(len(chunk), np.float32))
+    except (OSError, ValueError) as error:
+        errors.append(type(error).__name__)
+try:
+    writer.finish("{}")
+except ValueError as error:
+    errors.append(str(error))
+print(errors)
+"""
+    command = [sys.executable, "-c", write, CAM, tmp_path / "r.mcap"]
+    ran = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=120)
+    errors = ast.literal_eval(ran.stdout)
+    assert errors[0] == "OSError" and set(errors[1:-1]) == {"ValueError"}
+    assert errors[-1] == "the recording has ended after an error"
 
 
 def test_damage_anywhere_is_an_answer_not_a_traceback(cli: Cli, tmp_path: Path, job: Callable[..., Path]) -> None:

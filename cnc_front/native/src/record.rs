@@ -1,7 +1,7 @@
 //! `cnc_front._native.recording`: recordings written from chunks and read back as columns.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray1};
@@ -17,20 +17,21 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Reader>()
 }
 
-fn raise(error: Error) -> PyErr {
+fn raise(error: Error, path: &Path) -> PyErr {
     match error {
         Error::Io(error) => match error.raw_os_error() {
-            Some(number) => PyOSError::new_err((number, error.to_string())),
+            Some(number) => PyOSError::new_err((number, error.to_string(), path.to_path_buf())),
             None => PyOSError::new_err(error.to_string()),
         },
         other => PyValueError::new_err(other.to_string()),
     }
 }
 
-/// A recording being written; `finish` closes it.
+/// A recording being written, in a thread of its own: an error of the disk comes with a later call. `finish` closes it.
 #[pyclass(module = "cnc_front._native.recording")]
 pub struct Writer {
     inner: Option<recording::Writer>,
+    path: PathBuf,
 }
 
 #[pymethods]
@@ -47,7 +48,8 @@ impl Writer {
         let attached = |(name, media_type, data)| Attached { name, media_type, data };
         let attachments = attachments.into_iter().map(attached).collect();
         let header = Header { axes, sample_time_s, attachments, metadata };
-        Ok(Writer { inner: Some(recording::Writer::create(&path, &header).map_err(raise)?) })
+        let inner = recording::Writer::create(&path, &header).map_err(|e| raise(e, &path))?;
+        Ok(Writer { inner: Some(inner), path })
     }
 
     /// Writes a chunk and the deviation of its load side (mm per sample).
@@ -71,25 +73,20 @@ impl Writer {
             flags: flags.as_slice()?,
             deviation_mm: deviation_mm.as_slice()?,
         };
-        let writer = self.open()?;
-        py.detach(|| writer.write_samples(&view)).map_err(raise)
+        let writer = self.inner.as_mut().ok_or_else(closed)?;
+        py.detach(|| writer.write_samples(&view)).map_err(|e| raise(e, &self.path))
     }
 
     /// Writes an event, a JSON object, at an emulated time.
-    fn write_event(&mut self, t_s: f64, json: &str) -> PyResult<()> {
-        self.open()?.write_event(t_s, json).map_err(raise)
+    fn write_event(&mut self, py: Python<'_>, t_s: f64, json: &str) -> PyResult<()> {
+        let writer = self.inner.as_mut().ok_or_else(closed)?;
+        py.detach(|| writer.write_event(t_s, json)).map_err(|e| raise(e, &self.path))
     }
 
     /// Adds the result object and closes the file.
     fn finish(&mut self, py: Python<'_>, result_json: &str) -> PyResult<()> {
         let writer = self.inner.take().ok_or_else(closed)?;
-        py.detach(|| writer.finish(result_json)).map_err(raise)
-    }
-}
-
-impl Writer {
-    fn open(&mut self) -> PyResult<&mut recording::Writer> {
-        self.inner.as_mut().ok_or_else(closed)
+        py.detach(|| writer.finish(result_json)).map_err(|e| raise(e, &self.path))
     }
 }
 
@@ -102,13 +99,15 @@ fn closed() -> PyErr {
 pub struct Reader {
     /// The reader is not Sync; Python may hand it to another thread.
     inner: Mutex<recording::Reader>,
+    path: PathBuf,
 }
 
 #[pymethods]
 impl Reader {
     #[new]
     fn new(path: PathBuf) -> PyResult<Reader> {
-        Ok(Reader { inner: Mutex::new(recording::Reader::open(&path).map_err(raise)?) })
+        let inner = recording::Reader::open(&path).map_err(|e| raise(e, &path))?;
+        Ok(Reader { inner: Mutex::new(inner), path })
     }
     /// Why reading ended before the end of the file, if it did.
     #[getter]
@@ -119,7 +118,7 @@ impl Reader {
     /// ("event", "", JSON text), or None at the end. Raises ValueError if the file is no recording of ours.
     fn next_item<'py>(&mut self, py: Python<'py>) -> PyResult<Option<(&'static str, String, Bound<'py, PyAny>)>> {
         let reader = self.inner.get_mut().map_err(|_| closed())?;
-        let Some(item) = py.detach(|| reader.next_item()).map_err(raise)? else { return Ok(None) };
+        let Some(item) = py.detach(|| reader.next_item()).map_err(|e| raise(e, &self.path))? else { return Ok(None) };
         Ok(Some(match item {
             Item::Attachment(a) => ("attachment", a.name, PyBytes::new(py, &a.data).into_any()),
             Item::Metadata(name, map) => ("metadata", name, map.into_pyobject(py)?.into_any()),

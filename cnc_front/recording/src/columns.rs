@@ -117,6 +117,25 @@ impl Columns {
             deviation_mm: &self.deviation_mm,
         }
     }
+    /// Becomes a copy of the view; memory is used again.
+    pub fn copy_from(&mut self, view: &ColumnsView) {
+        fn copy<T: Copy>(to: &mut Vec<T>, from: &[T]) {
+            to.clear();
+            to.extend_from_slice(from);
+        }
+        (self.first_sample, self.axes) = (view.first_sample, view.axes);
+        let Columns { dp, load, rp, factor, v_plan, .. } = self;
+        for (to, from) in
+            [dp, load, rp, factor, v_plan].into_iter().zip([view.dp, view.load, view.rp, view.factor, view.v_plan])
+        {
+            copy(to, from);
+        }
+        let Columns { line, entry, flags, .. } = self;
+        for (to, from) in [line, entry, flags].into_iter().zip([view.line, view.entry, view.flags]) {
+            copy(to, from);
+        }
+        copy(&mut self.deviation_mm, view.deviation_mm);
+    }
     /// Reads a message back.
     ///
     /// # Errors

@@ -11,6 +11,7 @@
 //! Message times are emulated nanoseconds from 0. No clock is read: the same run gives the same bytes.
 
 pub mod columns;
+mod mcap_file;
 mod reader;
 mod state;
 mod writer;

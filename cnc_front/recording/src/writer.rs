@@ -1,14 +1,17 @@
-//! Writing a recording while the run goes on.
+//! Writing a recording while the run goes on, in a thread of its own.
+//!
+//! What is written is copied and put into a bounded queue; compressing and writing take about as long as the run
+//! itself. Records reach the file in the order of the calls, so the same run gives the same bytes.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::Path;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex};
+use std::thread::{Builder, JoinHandle};
 
-use mcap::records::MessageHeader;
-
-use crate::columns::ColumnsView;
-use crate::{COLUMNS, EVENTS, Error, PROFILE, STATE, state};
+use crate::Error;
+use crate::columns::{Columns, ColumnsView};
+use crate::mcap_file::McapFile;
 
 /// A file inside the recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,132 +33,105 @@ pub struct Header {
     pub metadata: BTreeMap<String, String>,
 }
 
-/// Samples per `/columns` message.
-const PER_MESSAGE: usize = 1000;
+/// Calls that may wait for the thread: enough that neither side waits for a short stop of the other, few enough that
+/// memory stays bounded by a few chunks.
+const QUEUE: usize = 2;
 
-/// A recording being written. Without [`Writer::finish`] the file has no index, but all that was written so far.
+/// A recording being written. A call that fails for the thread's sake (no space left on the disk ...) returns the error
+/// of an earlier one; [`Writer::finish`] returns what is left of them. Without `finish` the file has no index, but all
+/// that was written so far; dropping waits until it is there.
 pub struct Writer {
-    mcap: mcap::Writer<BufWriter<File>>,
-    axes: Vec<String>,
-    sample_time_s: f64,
-    columns: u16,
-    state: u16,
-    events: u16,
-    sequence: [u32; 3],
-    buffer: Vec<u8>,
-    text: String,
+    axes: usize,
+    thread: Option<Thread>,
+    spare: Spare,
 }
 
-const EVENT_SCHEMA: &str = concat!(
-    r#"{"type":"object","title":"Event","properties":{"t_s":{"type":"number"},"kind":{"type":"string"},"#,
-    r#""axis":{"type":"string"},"name":{"type":"string"},"on":{"type":"boolean"},"line":{"type":"integer"},"#,
-    r#""value":{"type":"integer"},"text":{"type":"string"}}}"#
-);
+struct Thread {
+    queue: SyncSender<Order>,
+    handle: JoinHandle<Result<(), Error>>,
+}
+
+enum Order {
+    Samples(Columns),
+    Event(f64, String),
+    Finish(String),
+}
+
+/// Columns that have been written, to be filled again.
+type Spare = Arc<Mutex<Vec<Columns>>>;
 
 impl Writer {
     /// Creates the file (an existing one is replaced) and writes all that is known before the run.
     pub fn create(path: &Path, header: &Header) -> Result<Writer, Error> {
-        let options = mcap::WriteOptions::new()
-            .profile(PROFILE)
-            .library("cnc-front")
-            .compression(Some(mcap::Compression::Zstd))
-            .compression_level(1)
-            .compression_threads(0);
-        let mut mcap = options.create(BufWriter::with_capacity(1 << 20, File::create(path)?))?;
-        for attached in &header.attachments {
-            attach(&mut mcap, attached, 0)?;
-        }
-        let metadata = mcap::records::Metadata { name: "run".to_owned(), metadata: header.metadata.clone() };
-        mcap.write_metadata(&metadata)?;
-        let state_schema = mcap.add_schema("cnc_front.State", "jsonschema", state::schema(&header.axes).as_bytes())?;
-        let event_schema = mcap.add_schema("cnc_front.Event", "jsonschema", EVENT_SCHEMA.as_bytes())?;
-        let none = BTreeMap::new();
-        Ok(Writer {
-            columns: mcap.add_channel(0, COLUMNS, "cnc-front.columns.1", &none)?,
-            state: mcap.add_channel(state_schema, STATE, "json", &none)?,
-            events: mcap.add_channel(event_schema, EVENTS, "json", &none)?,
-            mcap,
-            axes: header.axes.clone(),
-            sample_time_s: header.sample_time_s,
-            sequence: [0; 3],
-            buffer: Vec::new(),
-            text: String::new(),
-        })
+        let file = McapFile::create(path, header)?;
+        let (queue, orders) = sync_channel(QUEUE);
+        let spare = Spare::default();
+        let back = Arc::clone(&spare);
+        let handle = Builder::new().name("recording".to_owned()).spawn(move || carry_out(file, orders, &back))?;
+        Ok(Writer { axes: header.axes.len(), thread: Some(Thread { queue, handle }), spare })
     }
 
-    /// Writes samples: full rate, and thinned for plots.
+    /// Writes samples: full rate, and thinned for plots. Waits while the queue is full.
     pub fn write_samples(&mut self, view: &ColumnsView) -> Result<(), Error> {
-        if !view.is_consistent() || view.axes != self.axes.len() {
+        if !view.is_consistent() || view.axes != self.axes {
             return Err(Error::Content("columns of different length".to_owned()));
         }
-        for from in (0..view.len()).step_by(PER_MESSAGE) {
-            let part = view.slice(from, (from + PER_MESSAGE).min(view.len()));
-            self.buffer.clear();
-            part.encode(&mut self.buffer);
-            let (channel, time) = (self.columns, self.time_ns(part.first_sample + 1));
-            let buffer = std::mem::take(&mut self.buffer);
-            self.message(0, channel, time, &buffer)?;
-            self.buffer = buffer;
-            self.write_states(&part)?;
-        }
-        Ok(())
-    }
-
-    /// The thinned channel goes between the columns, so that the file stays in the order of time.
-    fn write_states(&mut self, part: &ColumnsView) -> Result<(), Error> {
-        for k in state::chosen(part) {
-            let mut text = std::mem::take(&mut self.text);
-            text.clear();
-            state::message(part, k, &self.axes, self.sample_time_s, &mut text);
-            let (channel, time) = (self.state, self.time_ns(part.first_sample + k as u64 + 1));
-            self.message(1, channel, time, text.as_bytes())?;
-            self.text = text;
-        }
-        Ok(())
+        let used = self.spare.lock().ok().and_then(|mut spare| spare.pop());
+        let mut columns = used.unwrap_or_default();
+        columns.copy_from(view);
+        self.order(Order::Samples(columns))
     }
 
     /// Writes an event (a JSON object) at an emulated time.
     pub fn write_event(&mut self, t_s: f64, json: &str) -> Result<(), Error> {
-        let channel = self.events;
-        self.message(2, channel, nanoseconds(t_s), json.as_bytes())
+        self.order(Order::Event(t_s, json.to_owned()))
     }
 
     /// Adds the result and closes the file.
     pub fn finish(mut self, result_json: &str) -> Result<(), Error> {
-        let result = Attached {
-            name: "result.json".to_owned(),
-            media_type: "application/json".to_owned(),
-            data: result_json.as_bytes().to_vec(),
-        };
-        attach(&mut self.mcap, &result, 0)?;
-        self.mcap.finish()?;
-        self.mcap.into_inner().into_inner().map_err(|error| Error::Io(error.into_error()))?;
-        Ok(())
+        self.order(Order::Finish(result_json.to_owned()))?;
+        self.join()
     }
 
-    fn time_ns(&self, samples: u64) -> u64 {
-        nanoseconds(samples as f64 * self.sample_time_s)
+    fn order(&mut self, order: Order) -> Result<(), Error> {
+        let thread = self.thread.as_ref().ok_or_else(ended)?;
+        match thread.queue.send(order) {
+            Ok(()) => Ok(()),
+            // the thread has ended, which it does early only for an error
+            Err(_) => self.join().and(Err(ended())),
+        }
     }
 
-    fn message(&mut self, stream: usize, channel_id: u16, time_ns: u64, data: &[u8]) -> Result<(), Error> {
-        let sequence = self.sequence[stream];
-        self.sequence[stream] += 1;
-        let header = MessageHeader { channel_id, sequence, log_time: time_ns, publish_time: time_ns };
-        Ok(self.mcap.write_to_known_channel(&header, data)?)
+    /// Waits for the thread and takes its error.
+    fn join(&mut self) -> Result<(), Error> {
+        let Some(Thread { queue, handle }) = self.thread.take() else { return Ok(()) };
+        drop(queue);
+        handle.join().unwrap_or_else(|_| Err(ended()))
     }
 }
 
-fn nanoseconds(t_s: f64) -> u64 {
-    (t_s * 1e9).round() as u64
+impl Drop for Writer {
+    fn drop(&mut self) {
+        let _ = self.join(); // whoever wants the error calls finish
+    }
 }
 
-fn attach(mcap: &mut mcap::Writer<BufWriter<File>>, attached: &Attached, time_ns: u64) -> Result<(), Error> {
-    let attachment = mcap::Attachment {
-        log_time: time_ns,
-        create_time: time_ns,
-        name: attached.name.clone(),
-        media_type: attached.media_type.clone(),
-        data: attached.data.as_slice().into(),
-    };
-    Ok(mcap.attach(&attachment)?)
+fn ended() -> Error {
+    Error::Content("the recording has ended after an error".to_owned())
+}
+
+fn carry_out(mut file: McapFile, orders: Receiver<Order>, spare: &Spare) -> Result<(), Error> {
+    for order in orders {
+        match order {
+            Order::Samples(columns) => {
+                file.write_samples(&columns.view())?;
+                if let Ok(mut spare) = spare.lock() {
+                    spare.push(columns);
+                }
+            }
+            Order::Event(t_s, json) => file.write_event(t_s, &json)?,
+            Order::Finish(result) => return file.finish(&result),
+        }
+    }
+    Ok(())
 }

@@ -186,3 +186,16 @@ proptest! {
         let _ = Columns::decode(&bytes);
     }
 }
+
+#[test]
+fn dropping_waits_until_all_is_written() {
+    let path = scratch("dropped");
+    let mut writer = Writer::create(&path, &header()).expect("created");
+    for k in 0..20 {
+        writer.write_samples(&samples(k * 2500, 2500).view()).expect("samples");
+    }
+    drop(writer);
+    let (items, _) = read(&path);
+    assert_eq!(all_columns(&items).iter().map(|c| c.flags.len()).sum::<usize>(), 50_000);
+    assert!(!items.iter().any(|i| matches!(i, Item::Attachment(a) if a.name == "result.json")));
+}
