@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal, Protocol, overload
 
+from cnc_front._native.sympas import Program as SapProgram
 from motion_kernel.commands import PcapError, command
 from motion_kernel.driver import Driver
 from motion_kernel.structures import TaskStatus
@@ -14,7 +15,7 @@ BLOCKS = (100, 1000)  # indices that read variables 0..99 and 0..999 together
 
 
 class Program(Protocol):
-    """A compiled program with its autocode (gcode.Program)."""
+    """A compiled program (gcode.Program, sympas.Program)."""
 
     @property
     def native(self) -> Any:
@@ -26,7 +27,10 @@ class Tasks(Driver):
 
     def load(self, task: int, program: Program) -> None:
         """Loads a compiled program into a CNC task."""
-        self._mcu.load(task, program.native)
+        if isinstance(program.native, SapProgram):
+            self._mcu.load_sap(task, program.native)
+        else:
+            self._mcu.load(task, program.native)
 
     @command("4.4.124")
     def startcnct(self, task: int) -> None:

@@ -2,6 +2,7 @@
 //! the tasks, and axis registers whose meaning belongs to applications (2.5, 4.3.2.9, 4.4.44, 4.4.65, 4.4.114).
 //! All of it survives `rs`.
 
+use crate::machine::PidfGains;
 use crate::mcu::{Mcu, TASKS};
 
 /// Bytes of the common buffer of a CNC task (4.3.2.9).
@@ -40,6 +41,10 @@ pub struct AxisRegisters {
     pub aux: f64,
     /// Gear configuration register (4.4.65), for the gears of the resource interface.
     pub gcr: i32,
+    /// Special register of applications (6.3.3).
+    pub sf: i32,
+    /// Filter coefficients that a rw_SymPas program has written and `uf` will take over.
+    pub filter: Option<PidfGains>,
     /// The field of `scp`, row by row.
     pub parameters: Vec<f64>,
 }
@@ -47,7 +52,7 @@ pub struct AxisRegisters {
 impl Default for AxisRegisters {
     fn default() -> Self {
         let parameters = vec![0.0; CONTROLLER_PARAMETERS];
-        AxisRegisters { variables: Variables::default(), aux: 0.0, gcr: 0, parameters }
+        AxisRegisters { variables: Variables::default(), aux: 0.0, gcr: 0, sf: 0, filter: None, parameters }
     }
 }
 
@@ -103,6 +108,10 @@ impl Card {
     /// bit 1 size.
     pub fn common_buffer(&self, task: usize, size: usize) -> Result<&[u8], i32> {
         check_buffer(task, size).map(|()| &self.buffers[task][..size])
+    }
+    /// The whole common buffer of a task.
+    pub(crate) fn buffer_mut(&mut self, task: usize) -> &mut [u8] {
+        &mut self.buffers[task]
     }
     /// Writes the beginning of the common buffer of a task (4.4.134); errors as for reading.
     pub fn set_common_buffer(&mut self, task: usize, bytes: &[u8]) -> Result<(), i32> {

@@ -75,6 +75,12 @@ impl Mcu {
         Ok(())
     }
 
+    /// Loads a rw_SymPas program into a task (0..3). ValueError where it does not fit the machine.
+    fn load_sap(&mut self, task: usize, program: &crate::sympas::Program) -> PyResult<()> {
+        let loaded = self.kernel.load_sap(known_task(task)?, program.inner.clone());
+        loaded.map_err(|refusal| PyValueError::new_err(refusal.to_string()))
+    }
+
     fn axis_count(&self) -> usize {
         self.kernel.machine().axes.len()
     }

@@ -18,7 +18,14 @@
 //!   and skips that jump when it is true.
 //! - [`verify::verify`] accepts only what cannot harm the controller; the machine checks the rest as it runs (table 40).
 
+mod access;
+mod actions;
 pub mod code;
+mod commands;
+pub mod events;
+pub(crate) mod processor;
 pub mod program;
 pub mod tables;
 pub mod verify;
+
+pub use access::Parameters;

@@ -1,13 +1,16 @@
 //! The four CNC tasks (chapter 3.2.1): the virtual machine that executes autocode.
 
 mod output;
+mod sap_task;
 mod vm;
 
 pub use output::{Output, STRING};
 pub use vm::{Task, TaskState, TaskStatus, runtime_error};
 
 use crate::mcu::{Mcu, TASKS};
+use crate::sap;
 use crate::trace::EventKind;
+use std::sync::Arc;
 
 impl Mcu {
     /// Starts the program of a task from its beginning (startcnct); a running one is stopped before.
@@ -29,6 +32,25 @@ impl Mcu {
     /// Executes one source line of a task, then waits (stepcnct). What the line spooled is started and runs dry.
     pub fn stepcnct(&mut self, task: usize) {
         self.tasks[task].step();
+    }
+    /// Brings a stopped task into single-step mode without executing a line (SAP stoptoss). What it spooled since its
+    /// start begins to run.
+    pub fn stoptoss(&mut self, task: usize) {
+        if self.tasks[task].stop_to_step() {
+            let spooled = self.tasks[task].sap.as_ref().map(|sap| sap.spooled);
+            let program = self.tasks[task].program().map(|program| program.group);
+            self.start_direct(spooled.or(program).unwrap_or_default());
+        }
+    }
+    /// Loads a rw_SymPas program into a task (0..3); it runs after [`Mcu::startcnct`]. A running one is stopped.
+    pub fn load_sap(&mut self, task: usize, program: Arc<sap::program::Program>) -> Result<(), sap::verify::Refusal> {
+        sap::verify::verify(&program)?;
+        if usize::from(program.axes) > self.axes.len() {
+            return Err(sap::verify::Refusal { address: None, reason: "compiled for more axes than the machine has" });
+        }
+        (self.group, self.leader) = (self.all_axes(), 0);
+        self.tasks[task].load_sap(program, task);
+        Ok(())
     }
     /// State of a task (rdcncts).
     pub fn task_status(&self, task: usize) -> TaskStatus {

@@ -6,24 +6,33 @@ use crate::functions::Entered;
 use crate::mcu::Mcu;
 use crate::motion::MotionCommand;
 use crate::registers::{Axst, ModeReg};
+use crate::sap::processor::Processor;
 use crate::spooler::{BYTES_FUNCTION, SpoolState};
 use crate::tasks::Output;
 use std::sync::Arc;
 
 /// Runtime errors (6.8, table 40; ours from 1000 on).
 pub mod runtime_error {
+    pub const BAD_CODE: u32 = 4;
     pub const STACK_OVERFLOW: u32 = 8;
     pub const STACK_UNDERFLOW: u32 = 16;
+    pub const BAD_COMMAND: u32 = 64;
     pub const BAD_ADDRESS: u32 = 128;
+    pub const BAD_ARGUMENT: u32 = 256;
     pub const COMMON_RANGE: u32 = 1024;
+    pub const BUFFER_ALIGNMENT: u32 = 2048;
     pub const BAD_PARAMETER: u32 = 32768;
     /// A motion command for an axis in open loop (design D11).
     pub const OPEN_LOOP: u32 = 1000;
 
     pub const fn text(number: u32) -> &'static str {
         match number {
+            BAD_CODE => "invalid operation code",
             STACK_OVERFLOW => "stack overflow",
             STACK_UNDERFLOW => "stack underflow",
+            BAD_COMMAND => "invalid NC command",
+            BAD_ARGUMENT => "address violation by a wrong parameter",
+            BUFFER_ALIGNMENT => "Double access to the common buffer with an offset not divisible by 8",
             BAD_ADDRESS => "address outside the program",
             COMMON_RANGE => "common variable outside its range",
             BAD_PARAMETER => "invalid parameter of an arithmetic operation",
@@ -64,8 +73,10 @@ pub struct TaskStatus {
     /// Error number, 0 = none, and its source line.
     pub errnum: u32,
     pub errline: u32,
-    /// Bit 0 executing, bit 1 waits for step or continue, bit 3 waits (wt, end of profile).
+    /// Bit 0 executing, bit 1 waits for step or continue, bit 2 halted at writeln, bit 3 waits (wt, end of profile).
     pub running: u32,
+    /// Free bytes of the stack.
+    pub stackfree: u32,
     /// Source line being executed.
     pub csrcline: u32,
     pub state: TaskState,
@@ -84,7 +95,9 @@ enum Flow {
 #[derive(Debug, Default)]
 pub struct Task {
     program: Option<Arc<Program>>,
-    state: TaskState,
+    /// Registers of a rw_SymPas program; where it is there, `program` is not.
+    pub(super) sap: Option<Box<Processor>>,
+    pub(super) state: TaskState,
     pc: usize,
     stack: Vec<f64>,
     calls: Vec<u32>,
@@ -92,13 +105,13 @@ pub struct Task {
     /// Samples left of a `Wait`; None = not begun.
     wait: Option<u32>,
     /// Stopped by its own writeln (StopAtWriteln) until the application continues it.
-    rests: bool,
+    pub(super) rests: bool,
     /// Waits for time or the end of motion.
-    waiting: bool,
+    pub(super) waiting: bool,
     stepping: bool,
     /// In single-step mode: the line being executed.
     step_line: Option<u32>,
-    error: Option<RuntimeError>,
+    pub(super) error: Option<RuntimeError>,
     told: bool,
     pub(crate) output: Output,
 }
@@ -118,22 +131,29 @@ impl Task {
         if let Some(program) = self.program.take() {
             self.load(program);
             self.state = TaskState::Running;
+        } else if let Some(sap) = &mut self.sap {
+            sap.restart();
+            (self.state, self.error, self.told) = (TaskState::Running, None, false);
         }
     }
     pub fn stop(&mut self) {
         if self.state == TaskState::Running {
             self.state = TaskState::Stopped;
+            self.disable_events();
         }
     }
     pub fn abort(&mut self) {
-        if matches!(self.state, TaskState::Running | TaskState::Stopped | TaskState::Stepped) {
+        if self.is_alive() {
             self.state = TaskState::Failed;
         }
     }
     pub fn resume(&mut self) {
         self.rests = false;
         self.stepping = false;
-        if matches!(self.state, TaskState::Stopped | TaskState::Stepped) {
+        if let Some(sap) = &mut self.sap {
+            sap.run_on();
+        }
+        if self.is_alive() {
             self.state = TaskState::Running;
         }
     }
@@ -142,7 +162,10 @@ impl Task {
             TaskState::Idle | TaskState::Failed => self.start(),
             _ => {}
         }
-        if self.program.is_some() {
+        if let Some(sap) = &mut self.sap {
+            sap.step(false);
+            self.state = TaskState::Running;
+        } else if self.program.is_some() {
             (self.state, self.stepping, self.step_line) = (TaskState::Running, true, None);
         }
     }
@@ -177,16 +200,23 @@ impl Task {
             errnum: self.error.map_or(0, |e| e.number),
             errline: self.error.map_or(0, |e| e.line),
             running,
+            stackfree: self.sap.as_ref().map_or(((STACK - self.stack.len()) * 8) as u32, |sap| sap.stack_free()),
             csrcline: self.line(),
             state: self.state,
         }
     }
     fn line(&self) -> u32 {
+        if let Some(sap) = &self.sap {
+            return sap.line();
+        }
         self.program.as_ref().and_then(|p| p.lines.get(self.pc).copied()).unwrap_or(0)
     }
 
     /// The task's share of one sample.
     pub(crate) fn run(&mut self, mcu: &mut Mcu) {
+        if self.sap.is_some() {
+            return self.run_sap(mcu);
+        }
         let Some(program) = self.program.take() else { return };
         let share = mcu.machine.controller.statements_per_sample.max(1);
         let mut statements = 0;

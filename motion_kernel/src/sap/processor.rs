@@ -1,0 +1,516 @@
+//! The registers of a task that executes a rw_SymPas program, and its instructions on values and control flow.
+
+use super::code::{Instr, Slot};
+use super::program::{Program, boolean, integer, real, timer};
+use super::tables::{Event, Function};
+use crate::mcu::Mcu;
+use crate::tasks::runtime_error as error;
+use std::sync::Arc;
+
+/// Slots of a task's memory: its globals, then the frames of its calls (errata Q26: the stack is fixed).
+const SLOTS: usize = 16 * 1024;
+/// Calls that may be open at once.
+const MOST_CALLS: usize = 1024;
+
+/// Why the processor came back within a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pause {
+    /// The share of this sample is used up.
+    Share,
+    /// Waits (wt, end of profile, room in the spooler): the task goes on at a later sample.
+    Waiting,
+    /// The main program has ended.
+    End,
+    /// stop, or rs.
+    Stop,
+    Abort,
+    /// A line is done in single-step mode, or a breakpoint is reached.
+    Line,
+    /// Stopped behind writeln (MODEREG bit 26).
+    Writeln,
+    /// startcnct of the own task.
+    Restart,
+    Error(u32),
+}
+
+/// Where a routine goes on when the one it called returns.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    pc: usize,
+    base: usize,
+    routine: u16,
+    /// The called routine is an event handler.
+    handler: bool,
+}
+
+/// Single-step mode (stepcnct) and breakpoints.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Stepping {
+    pub on: bool,
+    /// Line whose statements are being executed.
+    line: Option<u32>,
+    /// Step over: do not stop where more calls are open than this.
+    pub over: Option<usize>,
+    pub breaks: Vec<u32>,
+    /// Address of the breakpoint that the task stands at and will pass.
+    passing: Option<usize>,
+}
+
+/// Registers of a task.
+#[derive(Debug)]
+pub(crate) struct Processor {
+    pub program: Arc<Program>,
+    memory: Box<[u64; SLOTS]>,
+    pub pc: usize,
+    base: usize,
+    routine: u16,
+    frames: Vec<Frame>,
+    /// Bits of [`Event::ALL`]: enabled by enev; active in this sample; served and active ever since.
+    pub enabled: u8,
+    active: u8,
+    served: u8,
+    /// Something may have to be done before the next statement.
+    attention: bool,
+    pub stepping: Stepping,
+    /// Samples left of wt.
+    wait: Option<u64>,
+    /// An Integer operation has wrapped (errata Q3).
+    pub overflow: bool,
+    /// Axes for which the task has spooled since its start (stoptoss).
+    pub spooled: crate::axes::AxisSet,
+    /// Number of the task.
+    pub number: usize,
+}
+
+impl Processor {
+    pub fn new(program: Arc<Program>, number: usize) -> Processor {
+        let mut processor = Processor {
+            memory: vec![0; SLOTS].into_boxed_slice().try_into().expect("SLOTS slots"),
+            pc: 0,
+            base: 0,
+            routine: 0,
+            frames: Vec::with_capacity(MOST_CALLS),
+            enabled: 0,
+            active: 0,
+            served: 0,
+            attention: false,
+            stepping: Stepping::default(),
+            wait: None,
+            overflow: false,
+            spooled: crate::axes::AxisSet::EMPTY,
+            number,
+            program,
+        };
+        processor.restart();
+        processor
+    }
+
+    /// Back to the beginning; breakpoints stay.
+    pub fn restart(&mut self) {
+        let globals = &self.program.globals;
+        self.memory[..globals.len()].copy_from_slice(globals);
+        self.base = globals.len();
+        let frame = usize::from(self.program.routines[0].frame);
+        self.memory[self.base..self.base + frame].fill(0);
+        (self.pc, self.routine) = (self.program.routines[0].entry as usize, 0);
+        self.frames.clear();
+        (self.enabled, self.served, self.wait, self.overflow) = (0, 0, None, false);
+        self.stepping = Stepping { breaks: std::mem::take(&mut self.stepping.breaks), ..Stepping::default() };
+        self.spooled = crate::axes::AxisSet::EMPTY;
+    }
+
+    #[inline(always)]
+    fn at(&self, slot: Slot) -> usize {
+        let base = if slot.is_global() { 0 } else { self.base };
+        (base + slot.index()) & (SLOTS - 1) // verified code stays inside; the mask spares the check
+    }
+    #[inline(always)]
+    pub fn get(&self, slot: Slot) -> u64 {
+        self.memory[self.at(slot)]
+    }
+    #[inline(always)]
+    pub fn put(&mut self, slot: Slot, value: u64) {
+        let at = self.at(slot);
+        self.memory[at] = value;
+    }
+    #[inline(always)]
+    pub fn int(&self, slot: Slot) -> i32 {
+        self.get(slot) as i32
+    }
+    #[inline(always)]
+    pub fn real(&self, slot: Slot) -> f64 {
+        f64::from_bits(self.get(slot))
+    }
+    #[inline(always)]
+    fn put_int(&mut self, slot: Slot, (value, overflow): (i32, bool)) {
+        self.overflow |= overflow;
+        self.put(slot, integer(value));
+    }
+
+    /// Bytes of the stack that are free (stackfree).
+    pub fn stack_free(&self) -> u32 {
+        let frame = usize::from(self.program.routines[usize::from(self.routine)].frame);
+        ((SLOTS - self.base - frame) * 8) as u32
+    }
+    /// Source line of the next instruction.
+    pub fn line(&self) -> u32 {
+        self.program.lines.get(self.pc).map_or(0, |(_, line)| *line)
+    }
+    /// Source line of the instruction that failed.
+    pub fn failed_line(&self) -> u32 {
+        self.program.lines.get(self.pc.saturating_sub(1)).map_or(0, |(_, line)| *line)
+    }
+    /// Calls that are open.
+    pub fn depth(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// The share of one sample, at most `share` statements.
+    pub fn run(&mut self, mcu: &mut Mcu, output: &mut crate::tasks::Output, share: u32) -> Pause {
+        self.watch_events(mcu);
+        if let Some(pause) = self.still_waiting() {
+            return pause;
+        }
+        let program = self.program.clone();
+        let mut left = share;
+        loop {
+            let instr = match self.compute(&program.code, &mut left) {
+                Ok(instr) => instr,
+                Err(pause) => return pause,
+            };
+            if let Err(pause) = self.execute(instr, &program, mcu, output) {
+                return pause;
+            }
+        }
+    }
+
+    /// The frequent instructions, with the registers of the processor in those of the host. Comes back with the first
+    /// instruction that is not one of them; Err: the share is used up.
+    fn compute(&mut self, code: &[Instr], left: &mut u32) -> Result<Instr, Pause> {
+        use Instr::*;
+        let (mut pc, base, memory) = (self.pc, self.base, &mut *self.memory);
+        let mut overflow = false;
+        // verified code stays inside the memory; the mask spares the check
+        macro_rules! at {
+            ($slot:expr) => {
+                ($slot.index() + if $slot.is_global() { 0 } else { base }) & (SLOTS - 1)
+            };
+        }
+        macro_rules! int {
+            ($slot:expr) => {
+                memory[at!($slot)] as i32
+            };
+        }
+        macro_rules! real {
+            ($slot:expr) => {
+                f64::from_bits(memory[at!($slot)])
+            };
+        }
+        macro_rules! integers {
+            ($to:expr, $result:expr) => {{
+                let (value, wrapped) = $result;
+                overflow |= wrapped;
+                memory[at!($to)] = integer(value);
+            }};
+        }
+        // skips the jump behind a condition, or executes it
+        macro_rules! branch {
+            ($condition:expr) => {
+                pc = match code[pc] {
+                    Jump(to) if !$condition => to as usize,
+                    _ => pc + 1,
+                }
+            };
+        }
+        let stop = loop {
+            let instr = code[pc];
+            pc += 1;
+            match instr {
+                Statement(_) => {
+                    if *left == 0 {
+                        pc -= 1;
+                        break Err(Pause::Share);
+                    }
+                    *left -= 1;
+                    if self.attention {
+                        break Ok(instr);
+                    }
+                }
+                Copy(to, a) => memory[at!(to)] = memory[at!(a)],
+                AddI(to, a, b) => integers!(to, int!(a).overflowing_add(int!(b))),
+                SubI(to, a, b) => integers!(to, int!(a).overflowing_sub(int!(b))),
+                MulI(to, a, b) => integers!(to, int!(a).overflowing_mul(int!(b))),
+                And(to, a, b) => memory[at!(to)] = memory[at!(a)] & memory[at!(b)],
+                Or(to, a, b) => memory[at!(to)] = memory[at!(a)] | memory[at!(b)],
+                AddD(to, a, b) => memory[at!(to)] = real(real!(a) + real!(b)),
+                SubD(to, a, b) => memory[at!(to)] = real(real!(a) - real!(b)),
+                MulD(to, a, b) => memory[at!(to)] = real(real!(a) * real!(b)),
+                ItoD(to, a) => memory[at!(to)] = real(f64::from(int!(a))),
+                Jump(to) => pc = to as usize,
+                JumpIfNot(a, to) => {
+                    if memory[at!(a)] == 0 {
+                        pc = to as usize;
+                    }
+                }
+                IfEqI(a, b) => branch!(int!(a) == int!(b)),
+                IfNeI(a, b) => branch!(int!(a) != int!(b)),
+                IfLtI(a, b) => branch!(int!(a) < int!(b)),
+                IfLeI(a, b) => branch!(int!(a) <= int!(b)),
+                IfEqD(a, b) => branch!(real!(a) == real!(b)),
+                IfNeD(a, b) => branch!(real!(a) != real!(b)),
+                IfLtD(a, b) => branch!(real!(a) < real!(b)),
+                IfLeD(a, b) => branch!(real!(a) <= real!(b)),
+                NextUp(var, last) => {
+                    let value = int!(var);
+                    let more = value < int!(last);
+                    if more {
+                        memory[at!(var)] = integer(value.wrapping_add(1));
+                    }
+                    branch!(!more);
+                }
+                NextDown(var, last) => {
+                    let value = int!(var);
+                    let more = value > int!(last);
+                    if more {
+                        memory[at!(var)] = integer(value.wrapping_sub(1));
+                    }
+                    branch!(!more);
+                }
+                _ => break Ok(instr),
+            }
+        };
+        self.pc = pc;
+        self.overflow |= overflow;
+        stop
+    }
+
+    fn still_waiting(&mut self) -> Option<Pause> {
+        let left = self.wait?;
+        self.wait = (left > 1).then(|| left - 1);
+        self.wait.map(|_| Pause::Waiting)
+    }
+
+    /// The less frequent instructions. On Err the task pauses.
+    fn execute(
+        &mut self,
+        instr: Instr,
+        program: &Program,
+        mcu: &mut Mcu,
+        output: &mut crate::tasks::Output,
+    ) -> Result<(), Pause> {
+        use Instr::*;
+        match instr {
+            Statement(line) => return self.before_statement(line),
+            Call(number, base) => return self.call(program, number, self.base + usize::from(base), false),
+            Return => return self.leave(),
+            Clear(to) => self.put(to, 0),
+            DivI(to, a, b) => {
+                let divisor = self.divisor(b)?;
+                self.put_int(to, self.int(a).overflowing_div(divisor));
+            }
+            ModI(to, a, b) => {
+                let divisor = self.divisor(b)?;
+                self.put(to, integer(self.int(a).wrapping_rem(divisor)));
+            }
+            NegI(to, a) => self.put_int(to, self.int(a).overflowing_neg()),
+            ShlI(to, a, b) => self.put(to, integer(self.int(a).wrapping_shl(self.int(b) as u32))),
+            ShrI(to, a, b) => self.put(to, integer(self.int(a).wrapping_shr(self.int(b) as u32))),
+            Xor(to, a, b) => self.put(to, self.get(a) ^ self.get(b)),
+            NotI(to, a) => self.put(to, integer(!self.int(a))),
+            NotB(to, a) => self.put(to, self.get(a) ^ 1),
+            DivD(to, a, b) => {
+                let divisor = self.real(b);
+                if divisor == 0.0 {
+                    return Err(Pause::Error(error::BAD_PARAMETER));
+                }
+                self.put(to, real(self.real(a) / divisor));
+            }
+            NegD(to, a) => self.put(to, real(-self.real(a))),
+            AddT(to, a, b) => self.put(to, timer(self.ticks(a).wrapping_add(self.ticks(b)))),
+            SubT(to, a, b) => self.put(to, timer(self.ticks(a).wrapping_sub(self.ticks(b)))),
+            EqI(to, a, b) => self.put(to, boolean(self.int(a) == self.int(b))),
+            NeI(to, a, b) => self.put(to, boolean(self.int(a) != self.int(b))),
+            LtI(to, a, b) => self.put(to, boolean(self.int(a) < self.int(b))),
+            LeI(to, a, b) => self.put(to, boolean(self.int(a) <= self.int(b))),
+            EqD(to, a, b) => self.put(to, boolean(self.real(a) == self.real(b))),
+            NeD(to, a, b) => self.put(to, boolean(self.real(a) != self.real(b))),
+            LtD(to, a, b) => self.put(to, boolean(self.real(a) < self.real(b))),
+            LeD(to, a, b) => self.put(to, boolean(self.real(a) <= self.real(b))),
+            EqT(to, a, b) => self.put(to, boolean(self.ticks(a) == self.ticks(b))),
+            NeT(to, a, b) => self.put(to, boolean(self.ticks(a) != self.ticks(b))),
+            LtT(to, a, b) => self.put(to, boolean(later(self.ticks(b), self.ticks(a)))),
+            LeT(to, a, b) => self.put(to, boolean(!later(self.ticks(a), self.ticks(b)))),
+            TtoD(to, a) => self.put(to, real(f64::from(self.ticks(a)))),
+            DtoI(to, a) => self.put(to, integer(self.real(a) as i32)),
+            TtoI(to, a) => self.put(to, integer(self.ticks(a) as i32)),
+            ItoT(to, a) => self.put(to, timer(self.ticks(a))),
+            ItoB(to, a) => self.put(to, boolean(self.int(a) != 0)),
+            DtoB(to, a) => self.put(to, boolean(self.real(a) != 0.0)),
+            RoundS(to, a) => self.put(to, real(f64::from(self.real(a) as f32))),
+            Math(function, to, a) => self.put(to, real(value_of(function, self.real(a)))),
+            Power(to, a, b) => self.put(to, real(self.real(a).powf(self.real(b)))),
+            Enable(event) => self.enable(event, true),
+            Disable(event) => self.enable(event, false),
+            Wait(a) => return Err(self.wait_for(self.int(a), mcu)),
+            _ => return self.act(instr, program, mcu, output),
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn ticks(&self, slot: Slot) -> u32 {
+        self.get(slot) as u32
+    }
+    fn divisor(&self, slot: Slot) -> Result<i32, Pause> {
+        let value = self.int(slot);
+        if value == 0 { Err(Pause::Error(error::BAD_PARAMETER)) } else { Ok(value) }
+    }
+
+    fn call(&mut self, program: &Program, number: u16, base: usize, handler: bool) -> Result<(), Pause> {
+        let callee = &program.routines[usize::from(number)];
+        let (given, frame) = (usize::from(callee.parameters), usize::from(callee.frame));
+        if base + frame > SLOTS || self.frames.len() == MOST_CALLS {
+            return Err(Pause::Error(error::STACK_OVERFLOW));
+        }
+        let result = usize::from(callee.function);
+        self.memory[base..base + result].fill(0);
+        self.memory[base + result + given..base + frame].fill(0);
+        self.frames.push(Frame { pc: self.pc, base: self.base, routine: self.routine, handler });
+        (self.pc, self.base, self.routine) = (callee.entry as usize, base, number);
+        Ok(())
+    }
+
+    fn leave(&mut self) -> Result<(), Pause> {
+        let Some(frame) = self.frames.pop() else {
+            self.pc -= 1;
+            return Err(Pause::End);
+        };
+        (self.pc, self.base, self.routine) = (frame.pc, frame.base, frame.routine);
+        self.attention |= frame.handler; // another event may be waiting
+        Ok(())
+    }
+
+    /// wt: whole samples, rounded up, at least one (errata Q19).
+    fn wait_for(&mut self, ticks: i32, mcu: &Mcu) -> Pause {
+        let per_sample = i64::from(mcu.machine.controller.sample_ticks);
+        self.wait = Some((i64::from(ticks).max(1) as u64).div_ceil(per_sample as u64));
+        Pause::Waiting
+    }
+
+    fn enable(&mut self, event: Event, on: bool) {
+        let bit = 1 << event as u8;
+        self.enabled = if on { self.enabled | bit } else { self.enabled & !bit };
+        if on {
+            self.served &= !bit; // one that is active already is served at the next check (errata Q29)
+            self.attention = true;
+        }
+    }
+
+    /// Looks once per sample which events are active.
+    fn watch_events(&mut self, mcu: &Mcu) {
+        self.attention = self.stepping.on || !self.stepping.breaks.is_empty();
+        if self.enabled != 0 {
+            self.active = super::events::active(mcu);
+            self.served &= self.active;
+            self.attention = true;
+        }
+    }
+
+    /// The handler of the most urgent event that waits for one.
+    fn due_handler(&mut self) -> Option<u16> {
+        if self.stepping.on || self.frames.iter().any(|f| f.handler) {
+            return None;
+        }
+        let due = self.enabled & self.active & !self.served;
+        let event = (due != 0).then(|| due.trailing_zeros() as usize)?;
+        self.served |= 1 << event;
+        self.program.events[event]
+    }
+
+    /// Events, single steps and breakpoints at the beginning of a statement.
+    fn before_statement(&mut self, line: u32) -> Result<(), Pause> {
+        if self.stops_at(line) {
+            self.pc -= 1;
+            return Err(Pause::Line);
+        }
+        self.serve_events()?;
+        self.attention = self.stepping.on || !self.stepping.breaks.is_empty() || self.more_due();
+        Ok(())
+    }
+    fn more_due(&self) -> bool {
+        self.enabled & self.active & !self.served != 0
+    }
+
+    /// Enters the handler of an event that is due; the interrupted statement begins behind it.
+    fn serve_events(&mut self) -> Result<(), Pause> {
+        if self.enabled & self.active & !self.served == 0 {
+            return Ok(());
+        }
+        if let Some(handler) = self.due_handler() {
+            self.pc -= 1; // back to the statement, or to the waiting command
+            let frame = usize::from(self.program.routines[usize::from(self.routine)].frame);
+            let program = self.program.clone();
+            self.call(&program, handler, self.base + frame, true)?;
+        }
+        Ok(())
+    }
+
+    /// A waiting command is not at its end: serves events, and comes back to it in the next sample.
+    pub fn wait_here(&mut self) -> Result<(), Pause> {
+        let at = self.pc;
+        self.serve_events()?;
+        if self.pc != at {
+            return Ok(());
+        }
+        self.pc -= 1;
+        Err(Pause::Waiting)
+    }
+
+    fn stops_at(&mut self, line: u32) -> bool {
+        let here = self.pc - 1;
+        if self.stepping.on {
+            let deep = self.stepping.over.is_some_and(|most| self.frames.len() > most);
+            return !deep && *self.stepping.line.get_or_insert(line) != line;
+        }
+        let passing = self.stepping.passing.take() == Some(here);
+        let stops = !passing && self.stepping.breaks.contains(&line);
+        self.stepping.passing = stops.then_some(here);
+        stops
+    }
+
+    /// Single-step mode for the next line; `over`: lines of called routines do not count.
+    pub fn step(&mut self, over: bool) {
+        self.stepping.on = true;
+        self.stepping.line = None;
+        self.stepping.over = over.then_some(self.frames.len());
+    }
+    pub fn run_on(&mut self) {
+        self.stepping.on = false;
+    }
+}
+
+/// `a` is later than `b` on the cyclic clock.
+fn later(a: u32, b: u32) -> bool {
+    let ahead = a.wrapping_sub(b);
+    ahead != 0 && ahead < 1 << 31
+}
+
+/// Functions of one Double; outside their domain the result is no number (errata Q4).
+fn value_of(function: Function, x: f64) -> f64 {
+    match function {
+        Function::Abs => x.abs(),
+        Function::Acos => x.acos(),
+        Function::Asin => x.asin(),
+        Function::Atan => x.atan(),
+        Function::Cos => x.cos(),
+        Function::Cosh => x.cosh(),
+        Function::Exp => x.exp(),
+        Function::Ln => x.ln(),
+        Function::Sin => x.sin(),
+        Function::Sinh => x.sinh(),
+        Function::Sqr => x * x,
+        Function::Sqrt => x.sqrt(),
+        Function::Tan => x.tan(),
+        Function::Tanh => x.tanh(),
+    }
+}
