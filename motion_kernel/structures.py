@@ -60,12 +60,13 @@ class Filter(NamedTuple):
 
 
 class TaskStatus(NamedTuple):
-    """CNCTS (4.3.2.10): error number and its line, state bits, source line being executed."""
+    """CNCTS (4.3.2.10): error number and its line, state bits, source line being executed, free bytes of the stack."""
 
     errnum: int
     errline: int
     running: int
     csrcline: int
+    stackfree: int
 
 
 class ROSI(NamedTuple):

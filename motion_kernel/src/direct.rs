@@ -161,10 +161,14 @@ impl Mcu {
         }
         let shaped = self.registers.modereg.has(ModeReg::SProfile);
         let shortest = self.registers.modereg.has(ModeReg::ShortestRotatoricDistance);
+        let rounds = !self.registers.modereg.has(ModeReg::ExactTargetPos);
         let v = self.axes[a].velocity();
         self.enter_direct_mode(a);
         let axis = &mut self.axes[a];
-        let target = if relative { axis.dp + way } else { way - if shortest { axis.turns(way) } else { 0.0 } };
+        let mut target = if relative { axis.dp + way } else { way - if shortest { axis.turns(way) } else { 0.0 } };
+        if rounds && axis.parameters.jtvl == 0.0 {
+            target = axis.rounded(target);
+        }
         let distance = target - axis.dp;
         let parameters = axis.parameters;
         // without distance a moving axis comes back to where it is

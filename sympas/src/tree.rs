@@ -118,5 +118,6 @@ pub enum ExprKind {
     Call(u16, Vec<Expr>),
     Math(Function, Box<Expr>),
     Power(Box<Expr>, Box<Expr>),
-    ReadBuffer(Box<Expr>),
+    /// Its own type: that of the expression widens where it is used.
+    ReadBuffer(Type, Box<Expr>),
 }

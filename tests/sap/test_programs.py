@@ -21,7 +21,8 @@ def test_program(program: Program) -> None:
     warned = {line for line, note in notes if note == "warned"}
     diagnostics = sympas.check(program.text, CELL)
     assert sorted(d.line for d in diagnostics if not d.is_warning) == wrong, [str(d) for d in diagnostics]
-    assert {d.line for d in diagnostics if d.is_warning} == warned, [str(d) for d in diagnostics]
+    ends = {line for line, note in notes if note.startswith("error")}  # the compiler may foresee it
+    assert {d.line for d in diagnostics if d.is_warning} - ends == warned, [str(d) for d in diagnostics]
     for line, note in notes:
         if note.startswith("refused "):
             assert any(d.line == line and d.id == note.split()[1] for d in diagnostics), note
@@ -68,7 +69,7 @@ def switched(job: Job, bit: int, on: bool) -> int:
 def check(job: Job, program: Program, line: int, note: str) -> None:
     where = f"{program.file}:{program.line + line - 1}: {note}"
     if note.startswith("output: "):
-        assert job.mcu.take_output(0) == note.removeprefix("output: ").replace("\\n", "\n"), where
+        assert job.mcu._mcu.take_output(0) == note.removeprefix("output: ").replace("\\n", "\n"), where
     for kind, number, relation, text, tolerance in VALUE.findall(note):
         if note.startswith("at "):
             continue

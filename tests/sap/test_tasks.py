@@ -117,8 +117,7 @@ def test_a_step_is_a_line() -> None:
         "begin stepcnct(2); wt(100); CI5 := CI0; stepcnct(2); wt(100); CI6 := CI0; contcnct(2); wt(100); CI7 := CI0; end.",
         "begin\nCI0 := 1; CI0 := 2;\nCI0 := 3;\nCI0 := 4;\nend.",
     )
-    for _ in range(60):
-        job.mcu.advance(1)
+    job.mcu.advance(4)
     assert job.mcu.rdcncts(2).running == 2
     job.run()
     assert (job.ci(5), job.ci(6), job.ci(7)) == (2, 3, 4)

@@ -144,9 +144,9 @@ impl Mcu {
         Ok(())
     }
     /// CNCTS of a task (4.3.2.10): error number and its line, state bits, source line being executed.
-    fn rdcncts(&self, task: usize) -> PyResult<(u32, u32, u32, u32)> {
+    fn rdcncts(&self, task: usize) -> PyResult<(u32, u32, u32, u32, u32)> {
         let status = self.kernel.task_status(known_task(task)?);
-        Ok((status.errnum, status.errline, status.running, status.csrcline))
+        Ok((status.errnum, status.errline, status.running, status.csrcline, status.stackfree))
     }
     /// What the tasks wrote since the last call.
     fn take_output(&mut self, task: usize) -> PyResult<String> {

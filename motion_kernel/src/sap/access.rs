@@ -39,19 +39,22 @@ pub const OS_VERSION: i32 = 253_126;
 const BOARD_TYPE: i32 = 32;
 
 impl Mcu {
-    pub(super) fn read_system(&self, parameter: SystemParameter) -> u64 {
+    pub(super) fn read_system(&mut self, parameter: SystemParameter) -> u64 {
         use SystemParameter::*;
+        match parameter {
+            CFLAG => return self.read_qualifier(0, Qualifier::CFLAGS),
+            GFAUX => return self.read_qualifier(0, Qualifier::gfaux),
+            _ => {}
+        }
         let r = &self.registers;
         let path = &r.sap;
         match parameter {
             BOARDTYPE => integer(BOARD_TYPE),
-            CFLAG => self.read_qualifier(0, Qualifier::CFLAGS),
             CLOCK => timer(self.clock()),
             DTCA1 => real(path.dtca[0]),
             DTCA2 => real(path.dtca[1]),
             DTCA3 => real(path.dtca[2]),
             ERRORREG => integer(r.errorreg.0 as i32),
-            GFAUX => self.read_qualifier(0, Qualifier::gfaux),
             IRQPC => boolean(self.card.irqpc()),
             LEDGN => boolean(self.card.led(Led::Green)),
             LEDRD => boolean(self.card.led(Led::Red)),
@@ -74,6 +77,7 @@ impl Mcu {
             TU => integer(r.units.tu as i32),
             LET => real(path.let_),
             LST => real(path.lst),
+            CFLAG | GFAUX => 0, // above
         }
     }
 
@@ -127,7 +131,7 @@ impl Mcu {
         (ticks as u32).wrapping_add(self.registers.clock_start)
     }
 
-    pub(super) fn read_qualifier(&self, axis: usize, qualifier: Qualifier) -> u64 {
+    pub(super) fn read_qualifier(&mut self, axis: usize, qualifier: Qualifier) -> u64 {
         use Qualifier::*;
         match qualifier {
             axst => integer(self.axst(axis).0 as i32),
@@ -140,6 +144,7 @@ impl Mcu {
             lsm => integer(self.axes[axis].spooler.left() as i32),
             mcis => integer(self.axes[axis].spooler.moves() as i32),
             mcp => integer(self.rdmcp(axis)),
+            lp => real(self.rdlp(axis)), // clears lpsf
             sf => integer(self.card.axes[axis].sf),
             kp | ki | kd | kpl | kfca | kfcv => real(*coefficient(&mut self.written_filter(axis), qualifier)),
             _ => real(axis_register(qualifier.name()).map_or(0.0, |r| (r.read)(self, axis))),

@@ -5,6 +5,7 @@ use super::processor::{Pause, Processor};
 use super::program::{Program, boolean, integer, real};
 use super::tables::{Indexed, TaskCommand, Type};
 use crate::axes::AxisSet;
+use crate::axis::Doing;
 use crate::mcu::{COMMONS, Mcu};
 use crate::registers::{Axst, ModeReg};
 use crate::spooler::SpoolState;
@@ -155,7 +156,7 @@ impl Processor {
         let ended = |a: usize| {
             let axis = &mcu.axes[a];
             let drained = !spooler || (axis.is_drained() && axis.spooler.state == SpoolState::Direct);
-            drained && axis.pending == 0 && mcu.axst(a).has(Axst::pe)
+            drained && axis.pending == 0 && axis.doing == Doing::Nothing && mcu.axst(a).has(Axst::pe)
         };
         if axes.iter().all(ended) { Ok(()) } else { self.wait_here() }
     }

@@ -152,19 +152,15 @@ impl Processor {
         let frame = usize::from(self.program.routines[usize::from(self.routine)].frame);
         ((SLOTS - self.base - frame) * 8) as u32
     }
-    /// Source line of the next instruction.
+    /// Source line being executed.
     pub fn line(&self) -> u32 {
-        self.program.lines.get(self.pc).map_or(0, |(_, line)| *line)
+        let at = self.pc - usize::from(self.wait.is_some()); // during wt the line of the wait
+        self.program.lines.get(at).map_or(0, |(_, line)| *line)
     }
     /// Source line of the instruction that failed.
     pub fn failed_line(&self) -> u32 {
         self.program.lines.get(self.pc.saturating_sub(1)).map_or(0, |(_, line)| *line)
     }
-    /// Calls that are open.
-    pub fn depth(&self) -> usize {
-        self.frames.len()
-    }
-
     /// The share of one sample, at most `share` statements.
     pub fn run(&mut self, mcu: &mut Mcu, output: &mut crate::tasks::Output, share: u32) -> Pause {
         self.watch_events(mcu);

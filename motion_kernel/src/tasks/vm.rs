@@ -195,6 +195,7 @@ impl Task {
     pub fn status(&self) -> TaskStatus {
         let running = u32::from(self.state == TaskState::Running)
             | u32::from(self.state == TaskState::Stepped) << 1
+            | u32::from(self.rests()) << 2
             | u32::from(self.waiting && self.state == TaskState::Running) << 3;
         TaskStatus {
             errnum: self.error.map_or(0, |e| e.number),

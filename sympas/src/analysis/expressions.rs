@@ -104,7 +104,7 @@ impl Analyser<'_> {
             }
             Found::Predefined(Predefined::ReadBuffer(of)) => {
                 let offset = self.offset(of, call, 1)?;
-                Some(Expr { kind: ExprKind::ReadBuffer(Box::new(offset)), of })
+                Some(Expr { kind: ExprKind::ReadBuffer(of, Box::new(offset)), of })
             }
             Found::Predefined(Predefined::Command) => {
                 self.report(Fault::new(Id::SP408, name.span).with(&name.text));

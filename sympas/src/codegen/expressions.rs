@@ -17,7 +17,7 @@ pub(super) fn calls(expr: &Expr) -> bool {
             Place::SysVar(_, index) | Place::AxisVar(_, _, index) => calls(index),
             _ => false,
         },
-        ExprKind::Unary(_, a) | ExprKind::Convert(a) | ExprKind::Math(_, a) | ExprKind::ReadBuffer(a) => calls(a),
+        ExprKind::Unary(_, a) | ExprKind::Convert(a) | ExprKind::Math(_, a) | ExprKind::ReadBuffer(_, a) => calls(a),
         ExprKind::Binary(_, _, a, b) | ExprKind::Power(a, b) => calls(a) || calls(b),
     }
 }
@@ -87,9 +87,9 @@ impl Generator {
                 let b = self.operand(exponent);
                 self.emit(Instr::Power(target, a, b));
             }
-            ExprKind::ReadBuffer(offset) => {
+            ExprKind::ReadBuffer(kind, offset) => {
                 let a = self.operand(offset);
-                self.emit(Instr::ReadBuffer(expr.of, target, a));
+                self.emit(Instr::ReadBuffer(*kind, target, a));
             }
             ExprKind::Literal(_) | ExprKind::Load(_) | ExprKind::Call(..) => {
                 let source = self.operand(expr);
