@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any, Literal, Protocol, overload
 
-from cnc_front._native.sympas import Program as SapProgram
 from motion_kernel.commands import PcapError, command
 from motion_kernel.driver import Driver
 from motion_kernel.structures import TaskStatus
@@ -27,10 +26,7 @@ class Tasks(Driver):
 
     def load(self, task: int, program: Program) -> None:
         """Loads a compiled program into a CNC task."""
-        if isinstance(program.native, SapProgram):
-            self._mcu.load_sap(task, program.native)
-        else:
-            self._mcu.load(task, program.native)
+        self._mcu.load(task, program.native)
 
     @command("4.4.124")
     def startcnct(self, task: int) -> None:

@@ -44,8 +44,6 @@ pub struct Registers {
     pub trtvl: f64,
     /// What else commands of rw_SymPas take from system variables.
     pub sap: crate::sap::Parameters,
-    /// CLOCK at boot, ticks of 64 us.
-    pub clock_start: u32,
     /// Axes that do not count for the path velocity.
     pub nfrax: AxisSet,
     pub lookahead_depth: u32,
@@ -179,7 +177,6 @@ impl Mcu {
                 trvl: 0.0,
                 trtvl: 0.0,
                 sap: crate::sap::Parameters::default(),
-                clock_start: 0,
                 nfrax: AxisSet::EMPTY,
                 lookahead_depth: machine.controller.lookahead_depth,
             },

@@ -6,8 +6,8 @@ import operator
 import re
 
 import pytest
-import sympas
 
+import sympas
 from tests.sap.jobs import CELL, NUMBER, VALUE, Job, Program, programs, remarks
 
 RELATIONS = {"=": operator.eq, ">=": operator.ge, "<=": operator.le, ">": operator.gt, "<": operator.lt}

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-import sympas
 
+import sympas
 from tests.sap.jobs import CELL, Job
 
 COUNT = "begin while true do CI{0} := CI{0} + 1; end."
@@ -30,7 +30,9 @@ def test_four_endless_tasks_progress_alike() -> None:
 
 @pytest.mark.shows("task.common-variables-shared", "sap.mode.sync-variables")
 def test_common_variables_are_the_same_for_all() -> None:
-    job = with_worker("begin startcnct(2); repeat until CI1 = 7; CI3 := 1; end.", "begin repeat until CI0 = 5; CI1 := 7; end.")
+    job = with_worker(
+        "begin startcnct(2); repeat until CI1 = 7; CI3 := 1; end.", "begin repeat until CI0 = 5; CI1 := 7; end."
+    )
     job.mcu.advance(50)
     assert job.ci(3) == 0
     job.mcu.wrci(0, 5)
@@ -49,22 +51,33 @@ def test_each_task_has_its_own_buffer() -> None:
     assert job.ci(0) == 77
 
 
-@pytest.mark.shows("sap.startcnct", "sap.tasks.control-each-other", "sap.stopcnct", "sap.stopcnct.continuable", "sap.contcnct")
+@pytest.mark.shows(
+    "sap.startcnct", "sap.tasks.control-each-other", "sap.stopcnct", "sap.stopcnct.continuable", "sap.contcnct"
+)
 def test_a_task_starts_stops_and_continues_another() -> None:
-    job = with_worker("begin startcnct(2); wt(1000); stopcnct(2); CI5 := CI2; wt(1000); CI6 := CI2; contcnct(2); wt(1000); CI7 := CI2; end.")
+    job = with_worker(
+        "begin startcnct(2); wt(1000); stopcnct(2); CI5 := CI2; wt(1000); CI6 := CI2; contcnct(2); wt(1000); "
+        "CI7 := CI2; end."
+    )
     job.run()
     assert 0 < job.ci(5) == job.ci(6) < job.ci(7)
 
 
 @pytest.mark.shows("sap.startcnct.self")
 def test_a_task_restarts_itself() -> None:
-    job = Job("var n : integer; begin n := n + 1; CI1 := n; CI0 := CI0 + 1; if CI0 < 3 then startcnct(0); CI2 := CI2 + 1; end.").run()
+    job = Job(
+        "var n : integer; begin n := n + 1; CI1 := n; CI0 := CI0 + 1; if CI0 < 3 then startcnct(0); "
+        "CI2 := CI2 + 1; end."
+    ).run()
     assert (job.ci(0), job.ci(1), job.ci(2)) == (3, 1, 1)
 
 
 @pytest.mark.shows("sap.startcnct.running-task")
 def test_starting_a_running_task_begins_anew() -> None:
-    job = with_worker("begin startcnct(2); wt(500); startcnct(2); wt(500); end.", "begin CI0 := CI0 + 1; while true do CI1 := CI1 + 1; end.")
+    job = with_worker(
+        "begin startcnct(2); wt(500); startcnct(2); wt(500); end.",
+        "begin CI0 := CI0 + 1; while true do CI1 := CI1 + 1; end.",
+    )
     job.run()
     assert job.ci(0) == 2
 
@@ -88,7 +101,10 @@ def test_stop_and_continue() -> None:
 @pytest.mark.shows("sap.stop.no-events", "sap.stopcnct.no-events", "pcap.stopcnct.events-off")
 @pytest.mark.parametrize("how", ["stop", "stopcnct"])
 def test_no_events_after_stop(how: str) -> None:
-    job = Job(f"procedure EVUI; begin CI1 := 1; end; begin enev(EVUI); CI0 := 1; {'stop;' if how == 'stop' else 'while CI0 = 1 do ;'} CI0 := 2; wt(50); while CI3 = 0 do ; end.")
+    job = Job(
+        f"procedure EVUI; begin CI1 := 1; end; begin enev(EVUI); CI0 := 1; "
+        f"{'stop;' if how == 'stop' else 'while CI0 = 1 do ;'} CI0 := 2; wt(50); while CI3 = 0 do ; end."
+    )
     job.mcu.advance(5)
     job.mcu.stopcnct(0)
     job.mcu.set_inputs(1 << 7)
@@ -111,10 +127,17 @@ def test_abort_cannot_be_continued() -> None:
     assert job.ci(0) == 2
 
 
-@pytest.mark.shows("sap.stepcnct", "sap.stepcnct.whole-line", "sap.stepcnct.running-2", "task.status.running-bit-1", "pcap.stepcnct.done")
+@pytest.mark.shows(
+    "sap.stepcnct",
+    "sap.stepcnct.whole-line",
+    "sap.stepcnct.running-2",
+    "task.status.running-bit-1",
+    "pcap.stepcnct.done",
+)
 def test_a_step_is_a_line() -> None:
     job = with_worker(
-        "begin stepcnct(2); wt(100); CI5 := CI0; stepcnct(2); wt(100); CI6 := CI0; contcnct(2); wt(100); CI7 := CI0; end.",
+        "begin stepcnct(2); wt(100); CI5 := CI0; stepcnct(2); wt(100); CI6 := CI0; contcnct(2); wt(100); "
+        "CI7 := CI0; end.",
         "begin\nCI0 := 1; CI0 := 2;\nCI0 := 3;\nCI0 := 4;\nend.",
     )
     job.mcu.advance(4)
@@ -144,7 +167,10 @@ def test_stepping_without_a_program_does_nothing() -> None:
 
 @pytest.mark.shows("sap.stoptoss", "sap.stoptoss.not-stopped")
 def test_from_stop_to_single_step() -> None:
-    job = with_worker("begin startcnct(2); wt(100); stoptoss(2); wt(100); CI5 := CI2; stopcnct(2); stoptoss(2); CI6 := CI2; wt(1000); end.")
+    job = with_worker(
+        "begin startcnct(2); wt(100); stoptoss(2); wt(100); CI5 := CI2; stopcnct(2); stoptoss(2); CI6 := CI2; "
+        "wt(1000); end."
+    )
     job.run(0.05)
     job.run(0.005)
     assert job.mcu.rdcncts(2).running == 2
@@ -163,11 +189,15 @@ def test_spooled_motion_runs() -> None:
 )
 @pytest.mark.parametrize("command", ["contcnct", "startcnct", "stepcnct", "stopcnct", "stoptoss"])
 def test_task_numbers_are_constants_from_0_to_3(command: str) -> None:
-    text = f"const w = 2;\nvar n : integer;\nbegin\n{command}(w); {command}(3);\n{command}(4);\n{command}(n);\n{command}(-1);\n{command}(1.0);\nend."
+    lines = ["const w = 2;", "var n : integer;", "begin", f"{command}(w); {command}(3);"]
+    lines += [f"{command}({wrong});" for wrong in ("4", "n", "-1", "1.0")]
+    text = "\n".join([*lines, "end."])
     assert sorted({d.line for d in sympas.check(text, CELL) if not d.is_warning}) == [5, 6, 7, 8]
 
 
-@pytest.mark.shows("task.status.errnum", "task.status.errline", "runtime-error.task-stops", "runtime-error.number-and-line")
+@pytest.mark.shows(
+    "task.status.errnum", "task.status.errline", "runtime-error.task-stops", "runtime-error.number-and-line"
+)
 def test_a_runtime_error_stops_its_task_only() -> None:
     job = with_worker("var i : integer;\nbegin\nstartcnct(2);\nCI0 := 1 / i;\nCI1 := 1;\nend.")
     job.mcu.advance(20)
@@ -179,7 +209,10 @@ def test_a_runtime_error_stops_its_task_only() -> None:
 
 @pytest.mark.shows("task.status.stackfree", "struct.cncts.stackfree")
 def test_the_stack_shrinks_in_calls() -> None:
-    job = Job("procedure P(n : integer); var a, b, c : double; begin if n > 0 then P(n - 1); wt(100); end; begin wt(100); P(5); end.")
+    job = Job(
+        "procedure P(n : integer); var a, b, c : double; begin if n > 0 then P(n - 1); wt(100); end; "
+        "begin wt(100); P(5); end."
+    )
     job.mcu.advance(2)
     before = job.mcu.rdcncts(0).stackfree
     job.mcu.advance(10)
@@ -216,7 +249,9 @@ def test_stop_at_writeln() -> None:
     assert job.ci(0) == 1 and job.mcu.rdcncts(0).running == 0
 
 
-@pytest.mark.shows("sap.write.tskinfo", "sap.writeln.tskinfo", "sap.writeln.overwrites", "task.tskinfo.bit-0", "task.tskinfo.bit-1")
+@pytest.mark.shows(
+    "sap.write.tskinfo", "sap.writeln.tskinfo", "sap.writeln.overwrites", "task.tskinfo.bit-0", "task.tskinfo.bit-1"
+)
 def test_output_string() -> None:
     job = Job("begin write('a'); write('b'); wt(100); writeln('c'); wt(100); write('d'); end.")
     job.mcu.advance(2)

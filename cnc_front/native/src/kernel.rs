@@ -69,16 +69,16 @@ impl Mcu {
         Mcu { kernel: Kernel::new(machine.inner.clone()), recording: Trace::default() }
     }
 
-    /// Loads a program into a task (0..3); startcnct starts it.
-    fn load(&mut self, task: usize, program: &Program) -> PyResult<()> {
-        self.kernel.load(known_task(task)?, program.inner.clone());
+    /// Loads a program, of either language, into a task (0..3); startcnct starts it. ValueError where a rw_SymPas
+    /// program does not fit the machine.
+    fn load(&mut self, task: usize, program: &Bound<'_, PyAny>) -> PyResult<()> {
+        let task = known_task(task)?;
+        if let Ok(program) = program.cast::<crate::sympas::Program>() {
+            let loaded = self.kernel.load_sap(task, program.get().inner.clone());
+            return loaded.map_err(|refusal| PyValueError::new_err(refusal.to_string()));
+        }
+        self.kernel.load(task, program.cast::<Program>()?.get().inner.clone());
         Ok(())
-    }
-
-    /// Loads a rw_SymPas program into a task (0..3). ValueError where it does not fit the machine.
-    fn load_sap(&mut self, task: usize, program: &crate::sympas::Program) -> PyResult<()> {
-        let loaded = self.kernel.load_sap(known_task(task)?, program.inner.clone());
-        loaded.map_err(|refusal| PyValueError::new_err(refusal.to_string()))
     }
 
     fn axis_count(&self) -> usize {

@@ -12,7 +12,7 @@ use crate::named::axis_register;
 use crate::registers::{ControllerFlags, ErrorReg, ModeReg};
 
 /// System parameters that are read by commands of rw_SymPas only (6.3.1, table 32).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Parameters {
     /// Angle of circles, degrees.
     pub phi: f64,
@@ -25,12 +25,8 @@ pub struct Parameters {
     /// Start delay and duration of a recording (lpr), s.
     pub lst: f64,
     pub let_: f64,
-}
-
-impl Default for Parameters {
-    fn default() -> Self {
-        Parameters { phi: 0.0, dtca: [0.0; 3], pn: [0.0; 3], ssfp: 0, lst: 0.0, let_: 0.0 }
-    }
+    /// CLOCK at boot, ticks of 64 us.
+    pub clock_start: u32,
 }
 
 /// OSVERSION: main number times 1000 plus minor number (design D12).
@@ -128,7 +124,7 @@ impl Mcu {
     /// Ticks of 64 us since boot, cyclic (CLOCK).
     pub fn clock(&self) -> u32 {
         let ticks = self.sample.wrapping_mul(u64::from(self.machine.controller.sample_ticks));
-        (ticks as u32).wrapping_add(self.registers.clock_start)
+        (ticks as u32).wrapping_add(self.registers.sap.clock_start)
     }
 
     pub(super) fn read_qualifier(&mut self, axis: usize, qualifier: Qualifier) -> u64 {

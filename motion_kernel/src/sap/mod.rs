@@ -22,6 +22,7 @@ mod access;
 mod actions;
 pub mod code;
 mod commands;
+mod compute;
 pub mod events;
 pub(crate) mod processor;
 pub mod program;
