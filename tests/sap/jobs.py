@@ -53,6 +53,14 @@ def programs() -> list[Program]:
     return found
 
 
+def findings(text: str) -> tuple[sympas.Diagnostic, ...]:
+    """Everything the compiler says of a program."""
+    try:
+        return sympas.compile(text, CELL).warnings
+    except sympas.CompileError as error:
+        return error.diagnostics
+
+
 @dataclass
 class Job:
     """A controller that executes a program in a task."""

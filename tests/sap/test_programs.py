@@ -7,8 +7,7 @@ import re
 
 import pytest
 
-import sympas
-from tests.sap.jobs import CELL, NUMBER, VALUE, Job, Program, programs, remarks
+from tests.sap.jobs import NUMBER, VALUE, Job, Program, findings, programs, remarks
 
 RELATIONS = {"=": operator.eq, ">=": operator.ge, "<=": operator.le, ">": operator.gt, "<": operator.lt}
 PROGRAMS = [pytest.param(p, marks=pytest.mark.shows(*p.rows), id=f"{p.file}:{p.line}") for p in programs()]
@@ -19,7 +18,7 @@ def test_program(program: Program) -> None:
     notes = remarks(program.text)
     wrong = sorted(line for line, note in notes if note.startswith("refused"))
     warned = {line for line, note in notes if note == "warned"}
-    diagnostics = sympas.check(program.text, CELL)
+    diagnostics = findings(program.text)
     assert sorted(d.line for d in diagnostics if not d.is_warning) == wrong, [str(d) for d in diagnostics]
     ends = {line for line, note in notes if note.startswith("error")}  # the compiler may foresee it
     assert {d.line for d in diagnostics if d.is_warning} - ends == warned, [str(d) for d in diagnostics]

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-import sympas
-from tests.sap.jobs import CELL, Job
+from tests.sap.jobs import Job, findings
 
 COUNT = "begin while true do CI{0} := CI{0} + 1; end."
 
@@ -192,7 +191,7 @@ def test_task_numbers_are_constants_from_0_to_3(command: str) -> None:
     lines = ["const w = 2;", "var n : integer;", "begin", f"{command}(w); {command}(3);"]
     lines += [f"{command}({wrong});" for wrong in ("4", "n", "-1", "1.0")]
     text = "\n".join([*lines, "end."])
-    assert sorted({d.line for d in sympas.check(text, CELL) if not d.is_warning}) == [5, 6, 7, 8]
+    assert sorted({d.line for d in findings(text) if not d.is_warning}) == [5, 6, 7, 8]
 
 
 @pytest.mark.shows(
