@@ -193,23 +193,52 @@ fn a_short_jog_is_a_triangle() {
     assert_eq!(x(&m), 1.0);
 }
 
-// shows: kernel.profile.jog.end-equals-max, kernel.profile.jog.start-equals-max, kernel.profile.jog.reverse-end, pcap.wrjtvl
-#[test]
-fn target_velocities_of_jogs() {
+/// X runs on at 20 mm/s, the maximum, behind a jog to 10.
+fn running_on() -> Mcu {
     let mut m = jogger();
     m.parameters_mut(0).jtvl = 20.0;
     ja(&mut m, 0, 10.0);
     m.run(1000);
+    m
+}
+
+// shows: kernel.profile.jog.end-equals-max, pcap.wrjtvl
+#[test]
+fn a_jog_may_end_at_its_maximum() {
+    let mut m = jogger();
+    m.parameters_mut(0).jtvl = 20.0;
+    ja(&mut m, 0, 10.0);
+    let mut trace = Trace::default();
+    m.pass(700, &mut trace);
+    let speeds = speeds(&trace, 0, 0.0);
+    let top = speeds.iter().position(|v| *v > 20.0 - 1e-9).expect("reaches the maximum");
+    assert!(smooth(&speeds, 100.0) && speeds[top..].iter().all(|v| (v - 20.0).abs() < 1e-9), "no braking ramp");
     assert!(x(&m) > 10.0 && m.axst(0).has(Axst::pe));
-    close(v(&mut m), 20.0, 1e-9);
+}
+
+// shows: kernel.profile.jog.start-equals-max
+#[test]
+fn a_jog_may_start_at_its_maximum() {
+    let mut m = running_on();
     m.parameters_mut(0).jtvl = 0.0;
     ja(&mut m, 0, 50.0);
     let speeds = velocities(&mut m);
     assert!(smooth(&speeds, 100.0) && speeds[..100].iter().all(|v| (v - 20.0).abs() < 1e-9));
+    assert_eq!(x(&m), 50.0);
+}
+
+// shows: kernel.profile.jog.reverse-end
+#[test]
+fn a_negative_target_velocity_of_a_jog_passes_the_target_twice() {
+    let mut m = running_on();
     m.parameters_mut(0).jtvl = -20.0;
     ja(&mut m, 0, 60.0);
-    m.run(900);
-    assert!(x(&m) < 60.0);
+    let mut trace = Trace::default();
+    let start = x(&m);
+    m.pass(1900, &mut trace);
+    let top = dp(&trace, 0).into_iter().fold(0.0, f64::max);
+    close(top, 62.0, 1e-2); // 20²/(2·100) behind the target
+    assert!(x(&m) < 60.0 && smooth(&speeds(&trace, 0, start), 100.0));
     close(v(&mut m), -20.0, 1e-9);
 }
 

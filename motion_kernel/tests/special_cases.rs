@@ -76,12 +76,29 @@ proptest! {
     }
 }
 
-// shows: kernel.profile.move.start-equals-max, kernel.profile.move.end-equals-max
+// shows: kernel.profile.move.start-equals-max
 #[test]
-fn at_the_maximum_there_is_no_ramp() {
+fn a_move_may_start_at_its_maximum() {
+    let mut m = mcu("X", EXACT);
+    line(&mut m, &[10.0], 20.0, 100.0, 20.0);
+    line(&mut m, &[20.0], 20.0, 100.0, 0.0);
+    let trace = run(&mut m);
+    let second = trace.entry.iter().position(|e| *e == 2).expect("second block");
+    // 10 mm at 20 mm/s, the last 2 of them braking
+    let cruising = (8.0 / 20.0 / TA) as usize - 1;
+    assert!(trace.v_plan[second..second + cruising].iter().all(|v| *v == 20.0), "no ramp");
+}
+
+// shows: kernel.profile.move.end-equals-max
+#[test]
+fn a_move_may_end_at_its_maximum() {
     let profile = Profile::spooled(&request(10.0, 20.0, 20.0, 100.0, 20.0));
     assert_eq!(profile.ramps().len(), 1);
     close(profile.end_t, 0.5, 1e-12);
+    let profile = Profile::spooled(&request(10.0, 0.0, 20.0, 100.0, 20.0));
+    let ramps: Vec<f64> = profile.ramps().iter().map(|r| r.a).collect();
+    assert_eq!(ramps, [100.0, 0.0], "no braking ramp");
+    close(profile.end_v, 20.0, 0.0);
 }
 
 // shows: kernel.profile.move.start-above-max-spooled, kernel.maxvel.below-start
