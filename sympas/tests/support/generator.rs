@@ -5,8 +5,8 @@ use std::fmt::Write;
 
 use motion_kernel::sap::tables::Type;
 
-const REALS: [&str; 8] = ["0.0", "1.0", "-2.5", "0.1", "1e3", ".5", "16777217.0", "1e-9"];
-const INTEGERS: [&str; 10] = ["0", "1", "2", "-1", "7", "-13", "100", "$FFFF", "2147483647", "-2147483648"];
+const REALS: [&str; 8] = ["0.3", "1.0", "-2.5", "0.1", "1e3", ".5", "16777217.0", "1e-9"];
+const INTEGERS: [&str; 12] = ["0", "1", "2", "-1", "7", "-13", "100", "5", "33", "$FFFF", "2147483647", "-2147483648"];
 
 /// A variable, parameter or constant in reach.
 #[derive(Clone)]
@@ -72,7 +72,7 @@ impl Generator {
         self.pick(&[Type::Integer, Type::Integer, Type::Double, Type::Boolean, Type::Single, Type::Timer])
     }
     fn whole(&mut self) -> String {
-        let mut declarations = String::new();
+        let (mut declarations, mut starts) = (String::new(), String::new());
         for _ in 0..self.random(3) {
             let (name, of) = (self.name("k"), self.pick(&[Type::Integer, Type::Double]));
             let value = if of == Type::Integer { self.pick(&INTEGERS) } else { self.pick(&REALS) };
@@ -82,19 +82,20 @@ impl Generator {
         for of in [Type::Integer, Type::Integer, Type::Double, Type::Boolean, Type::Single, Type::Timer] {
             let name = self.name("g");
             let _ = writeln!(declarations, "var {name} : {};", of.name());
+            starts += &format!("  {name} := {};\n", self.start_value(of));
             self.known.push(Known { name, of, assignable: true });
         }
         for _ in 0..self.random(4) {
             let routine = self.routine();
             declarations += &routine;
         }
-        let body = self.block(6);
+        let body = self.block(8);
         for known in self.known.clone() {
-            let _ = writeln!(self.text, "  writeln({});", known.name);
+            self.show(&known);
         }
         let ends = std::mem::take(&mut self.text);
         let counters = self.take_counters();
-        format!("{declarations}{counters}begin\n{body}{ends}end.\n")
+        format!("{declarations}{counters}begin\n{starts}{body}{ends}end.\n")
     }
     /// Declares what the statements of a block needed.
     fn take_counters(&mut self) -> String {
@@ -135,6 +136,12 @@ impl Generator {
         if let Some(of) = result {
             self.known.push(Known { name: name.clone(), of, assignable: true });
         }
+        let mut starts = String::new();
+        for local in locals.lines().filter_map(|l| l.strip_prefix("var ")?.split_once(" :")).map(|(n, _)| n.to_owned())
+        {
+            let of = self.known.iter().find(|k| k.name == local).map_or(Type::Integer, |k| k.of);
+            starts += &format!("  {local} := {};\n", self.start_value(of));
+        }
         let body = self.block(3);
         let counters = self.take_counters();
         self.known = outer;
@@ -145,7 +152,7 @@ impl Generator {
             None => format!("procedure {name}{list};"),
         };
         let forward = if self.random(4) == 0 { format!("{head} forward;\n") } else { String::new() };
-        format!("{forward}{head}\n{locals}{counters}begin\n{body}end;\n")
+        format!("{forward}{head}\n{locals}{counters}begin\n{starts}{body}end;\n")
     }
     fn block(&mut self, statements: u32) -> String {
         let outer = std::mem::take(&mut self.text);
@@ -195,6 +202,23 @@ impl Generator {
         };
         let value = self.expression(source, 3);
         self.line(&format!("{} := {value};", target.name));
+        if self.random(2) == 0 {
+            self.show(&target);
+        }
+    }
+    /// Writes a variable; a Single with all the digits that it should not have.
+    fn show(&mut self, known: &Known) {
+        let text = if known.of == Type::Single { format!("double({})", known.name) } else { known.name.clone() };
+        self.line(&format!("writeln({text});"));
+    }
+    /// Values that tell operators apart.
+    fn start_value(&mut self, of: Type) -> String {
+        match of {
+            Type::Boolean => self.pick(&["TRUE", "FALSE"]).to_owned(),
+            Type::Integer => (self.random(200) as i32 - 100).to_string(),
+            Type::Timer => format!("{}", self.random(100) as i32 - 50),
+            Type::Single | Type::Double => format!("{}.{}", self.random(50), 1 + self.random(98)),
+        }
     }
     fn call(&mut self) {
         let list: Vec<Routine> = self.routines.iter().filter(|r| r.result.is_none()).cloned().collect();
