@@ -207,7 +207,7 @@ fn fifty_nested_ifs() {
         let close = if open.contains("begin") { " end" } else { "" };
         let source =
             format!("var i : integer; begin {}i := i + 1{}; writeln(i); end.", open.repeat(60), close.repeat(60));
-        let outcome = support::machine::run(&program(&source), 10_000);
+        let outcome = support::controller::run(&program(&source), 10_000);
         assert_eq!(outcome.output, "1\n");
     }
 }

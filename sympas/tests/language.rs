@@ -11,7 +11,7 @@ mod support;
 use std::path::PathBuf;
 
 use support::evaluator::{self, End};
-use support::ids;
+use support::{controller, ids};
 
 struct Section {
     title: String,
@@ -84,7 +84,7 @@ fn check(file: &str, section: &Section) {
         assert_eq!(second.output, section.output, "{name}");
         let end = section.stops.map_or(End::Finished, |(number, line)| End::Error(number, line));
         assert!(second.end == end || second.end == End::Aborted, "{name}: {:?}", second.end);
-        assert_eq!(support::machine::run(&program, 10_000_000), second, "{name}");
+        assert_eq!(controller::shown(&controller::run(&program, 10_000)), controller::shown(&second), "{name}");
     }
 }
 

@@ -209,6 +209,7 @@ fn value_of(function: Function, x: f64) -> f64 {
         Function::Cos => x.cos(),
         Function::Cosh => x.cosh(),
         Function::Exp => x.exp(),
+        Function::Ln if x <= 0.0 => f64::NAN, // no valid result (6.6.28), nor for 0
         Function::Ln => x.ln(),
         Function::Sin => x.sin(),
         Function::Sinh => x.sinh(),

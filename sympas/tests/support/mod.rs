@@ -1,9 +1,9 @@
 //! Shared by the tests of this crate.
 #![allow(dead_code)] // no test uses all of it
 
+pub mod controller;
 pub mod evaluator;
 pub mod generator;
-pub mod machine;
 pub mod values;
 
 use sympas::source::{Loader, NoIncludes, Sources};
