@@ -13,7 +13,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from cnc_front._native import motion_kernel as native_kernel
-from cnc_front.jobs import CompiledJob
+from cnc_front.errors import CompileError
+from cnc_front.jobs import CompiledJob, shown
+from cnc_front.readiness import not_ready
 from cnc_front.schedule import Schedule
 
 
@@ -118,6 +120,10 @@ class Execution:
         self._events = self.job.program.events()
         self.mcu = native_kernel.Mcu(machine)
         self.mcu.prepare_gcode()
+        if self.job.source.language == "din66025":
+            problems = not_ready(self.mcu, machine, shown(self.job.source.path))
+            if problems:
+                raise CompileError(problems)
         if self.stimulus is not None:
             self.mcu.add_stimulus(self.stimulus)
         self.mcu.load(0, self.job.program)

@@ -15,6 +15,7 @@ from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import sympas as native_sympas
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError
+from cnc_front.readiness import finding
 
 #: Largest job that is read (GC106) and largest machine file, bytes.
 JOB_BYTES = 256 << 20
@@ -115,7 +116,11 @@ def read_bytes(path: str, limit: int, id: str) -> bytes:
         os.close(handle)
         raise _cannot_read(path, id, "not a regular file")
     with os.fdopen(handle, "rb") as file:
+        before = os.fstat(handle)
         data = file.read(limit + 1)
+        after = os.fstat(handle)
+    if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns) and id == "GC112":
+        raise CompileError([finding(shown(path), "GC114")])
     if len(data) > limit:
         raise CompileError(
             [Diagnostic(shown(path), 1, 1, 1, "GC106", f"file larger than {limit >> 20} MiB", "split the job")]
