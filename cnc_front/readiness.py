@@ -27,11 +27,11 @@ def _bits(register: str) -> dict[str, int]:
     return {name: 1 << number for number, name, _ in native_kernel.register_bits(register)}
 
 
-def finding(file: str, id: str, *values: object, line: int = 1) -> Diagnostic:
-    """A diagnostic of the catalogue with its placeholders filled in order, at the start of a line."""
+def finding(file: str, id: str, *values: object) -> Diagnostic:
+    """A diagnostic of the catalogue with its placeholders filled in order, at the start of the file."""
     message, hint = _texts()[id]
     left = iter(values)
-    return Diagnostic(file, line, 1, 1, id, re.sub(r"\{[^}]*\}", lambda _: str(next(left)), message), hint)
+    return Diagnostic(file, 1, 1, 1, id, re.sub(r"\{[^}]*\}", lambda _: str(next(left)), message), hint)
 
 
 def not_ready(mcu: native_kernel.Mcu, machine: native_kernel.Machine, file: str) -> tuple[Diagnostic, ...]:
@@ -54,10 +54,10 @@ def not_ready(mcu: native_kernel.Mcu, machine: native_kernel.Machine, file: str)
     return tuple(found)
 
 
-def reported(mcu: native_kernel.Mcu, file: str, line: int) -> tuple[Diagnostic, ...]:
-    """GC810 if the controller's error register is not 0, at the line where it last said something."""
+def reported(mcu: native_kernel.Mcu, file: str) -> tuple[Diagnostic, ...]:
+    """GC810 if the controller's error register is not 0. When it came up stands in the alarms."""
     register = mcu.rderrorreg()
     if register == 0:
         return ()
     names = [name for name, bit in _bits("errorreg").items() if register & bit]
-    return (finding(file, "GC810", f"{register:08X}h", ", ".join(names), line=max(line, 1)),)
+    return (finding(file, "GC810", f"{register:08X}h", ", ".join(names)),)

@@ -155,7 +155,7 @@ def run_object(result: RunResult, verdict: Verdict, files: dict[str, str | None]
             "output": execution.output.splitlines(),
             "files": files,
             "start": job.facts["start"],
-            "diagnostics": [d.as_json() for d in (*job.warnings, *_reported(result))],
+            "diagnostics": [d.as_json() for d in (*job.warnings, *reported(execution.mcu, shown(job.source.path)))],
             "verdict": {
                 "word": verdict.word,
                 "tolerance_mm": verdict.tolerance_mm,
@@ -199,12 +199,6 @@ def partial_object(source: JobSource, machine: Any, recorded: Any, samples: int,
         "diagnostics": [],
         "verdict": {"word": "FAIL", "tolerance_mm": tolerance_mm, "reasons": [reason]},
     }
-
-
-def _reported(result: RunResult) -> tuple[Diagnostic, ...]:
-    execution = result.execution
-    lines = [entry.line for entry in execution.log if entry.kind == "errorreg" and entry.on]
-    return reported(execution.mcu, shown(result.job.source.path), lines[-1] if lines else 1)
 
 
 def _error(result: RunResult) -> dict[str, Any] | None:
