@@ -73,7 +73,7 @@ class Homing(Driver):
 
     @command("4.4.26", "s")
     def lprs(self, axes: Axes, let: float, lst: float = 0.0) -> None:
-        """As lpr for several axes in step: at most 1000 values each, `analysis` has them."""
+        """As lpr for several axes in step: 1000 values each, `analysis` has them."""
         if not self._mcu.lprs(self._indices(axes), lst, let):
             raise ValueError(f"lprs: duration {let} and delay {lst} must be times, and an axis is needed")
 

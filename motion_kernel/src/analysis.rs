@@ -1,14 +1,15 @@
-//! The graphic system analysis (lpr, lprs; 4.4.25, 4.4.26): up to 1000 values of one or several axes, in step.
+//! The graphic system analysis (lpr, lprs; 4.4.25, 4.4.26): 1000 values of one or several axes, in step.
 
 use crate::axes::AxisSet;
 use crate::mcu::Mcu;
 
-/// Values recorded at most, of each column of each axis.
+/// Values of a recording, of each column of each axis (6.3.1, LET).
 pub const ANALYSIS_VALUES: usize = 1000;
 /// What is recorded of an axis, in axis units, s and digits.
 pub const ANALYSIS_COLUMNS: [&str; 5] = ["dp", "rp", "dv", "rv", "mcp"];
 
-/// LATCH_INFOS: the axis (lpr only), when the recording begins after the call, and how long it is, s.
+/// LATCH_INFOS: the axis (lpr only), when the recording begins after the call, and how long it is, s: rounded up to a
+/// whole multiple of 1000 samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LatchInfos {
     pub san: usize,
@@ -58,7 +59,7 @@ impl Mcu {
     pub fn lprs(&mut self, axes: AxisSet, infos: &LatchInfos) -> bool {
         let time = |s: f64| (0.0..=1e9).contains(&s);
         let axes = self.known(axes);
-        if axes.is_empty() || !time(infos.lst) || !time(infos.let_) || infos.let_ == 0.0 {
+        if axes.is_empty() || !time(infos.lst) || !time(infos.let_) {
             return false;
         }
         let samples = (infos.let_ / self.ta).round().max(1.0) as u64;
@@ -66,7 +67,7 @@ impl Mcu {
         let analysis = &mut self.analysis;
         (analysis.axes, analysis.every) = (axes, every);
         analysis.first_sample = self.sample + (infos.lst / self.ta).round() as u64;
-        analysis.left = (samples.div_ceil(every)) as usize;
+        analysis.left = ANALYSIS_VALUES;
         analysis.values.clear();
         self.attend_to(|attention| attention.recording = true);
         true

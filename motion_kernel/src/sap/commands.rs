@@ -3,6 +3,7 @@
 use super::processor::{Pause, Processor};
 use super::program::{Operand, Program};
 use super::tables::{Command, Form};
+use crate::analysis::LatchInfos;
 use crate::autocode::MoveKind;
 use crate::axes::{AxisList, AxisSet, MAX_AXES};
 use crate::circle_3d::Circle3d;
@@ -157,7 +158,11 @@ fn for_axes(command: Command, list: &AxisList, axes: AxisSet, mcu: &mut Mcu) {
         Command::Jhl => _ = mcu.jhl(list),
         Command::Jhr => _ = mcu.jhr(list),
         Command::Js => mcu.js(axes),
-        //TODO lpr lprs
+        Command::Lpr | Command::Lprs => {
+            let sap = &mcu.registers.sap;
+            let infos = LatchInfos { san: 0, lst: sap.lst, let_: sap.let_ };
+            _ = mcu.lprs(axes, &infos);
+        }
         Command::Ms => mcu.ms(axes),
         Command::Ol => mcu.ol(axes),
         Command::Ra => mcu.ra(axes),
