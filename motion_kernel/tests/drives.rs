@@ -88,7 +88,7 @@ fn zero_compensation_is_added_to_either_side() {
     assert_eq!(command(300.0, 70.0, 0.0), 0);
 }
 
-// shows: errorreg.limit-def
+// shows: errorreg.limit-def, sysparam.ERRORREG.bit-14-LimitDefError
 #[test]
 fn invalid_limits_of_the_motor_command_set_an_error() {
     let good = Port { max: 20_000.0, min: -10_000.0, positive: 100.0, negative: 50.0, inverted: false };

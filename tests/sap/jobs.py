@@ -8,6 +8,7 @@ A file holds programs, each below a line `{ shows: row, row }`. Comments that th
     // warned              the compiler warns of that line
     // at 0.5 s: 5 on      input 5 becomes active half a second after the start; also `5 off`
     // at 0.5 s: CI9 = 1   written from outside
+    // stimulus: at 1 s: A1 encoder cut       a rule of docs/stimulus.md
     // within 2 s          the task need not end: it is looked at after that time (else 60 s)
     // output: text        the text that the task writes
 """

@@ -32,6 +32,9 @@ def test_program(program: Program) -> None:
 def execute(program: Program, notes: list[tuple[int, str]]) -> None:
     job = Job(program.text)
     limit = next((float(m[1]) for _, note in notes if (m := re.fullmatch(rf"within {NUMBER} s", note))), None)
+    for _, note in notes:
+        if note.startswith("stimulus: "):
+            job.mcu.add_stimulus(note.removeprefix("stimulus: "))
     for seconds, action in sorted(timed(notes)):
         job.run(seconds - job.mcu.samples * 0.00128)
         act(job, action)

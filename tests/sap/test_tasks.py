@@ -298,3 +298,42 @@ def test_rs_in_a_program() -> None:
     job.mcu.ja({"A1": 10.0})
     job.mcu.advance(2000)
     assert job.mcu.rddp("A1") == pytest.approx(10.0)
+
+
+@pytest.mark.shows("sap.azo.off")
+def test_the_pc_switches_zero_offsets_off() -> None:
+    job = Job("begin azo(1); end.").run()
+    assert job.mcu.rdzerooffset("A1") == 20.0
+    job.mcu.azo(5)
+    assert job.mcu.rdzerooffset("A1") == 0.0
+
+
+@pytest.mark.shows("sap.lpr", "sap.lprs", "sysparam.LET.1000-samples", "sysparam.LET.rounding")
+def test_recordings_of_a_program() -> None:
+    job = Job(
+        "begin cl(A1, A2); LST := 0.128; LET := 1.0; ja(A1 := 50.0); lpr(A1); wt(35000); LET := 2.0; lprs(A1, A2); end."
+    )
+    job.mcu.advance(1500)
+    found = job.mcu.analysis("A1")
+    assert len(found["dp"]) == 1000 and not job.mcu.analysis("A2")["dp"]
+    assert found["t_s"][-1] - found["t_s"][0] == pytest.approx(999 * 0.00128)
+    assert found["t_s"][0] == pytest.approx(0.128, abs=0.01)
+    assert max(found["dp"]) == pytest.approx(50.0)
+    job.run()
+    job.mcu.advance(2200)
+    both = [job.mcu.analysis(axis) for axis in ("A1", "A2")]
+    assert [len(f["dp"]) for f in both] == [1000, 1000] and both[0]["t_s"] == both[1]["t_s"]
+    assert both[0]["t_s"][-1] - both[0]["t_s"][0] == pytest.approx(2 * 999 * 0.00128)
+
+
+@pytest.mark.shows("pcap.ctru.sap", "appvar.sys.sap", "appvar.axis.sap")
+def test_registers_are_those_of_the_pc() -> None:
+    job = Job(
+        "begin CI0 := PU; CI1 := TU; CI2 := SysVarInt[3]; CD0 := A1.vardbl[2]; SysVarDbl[1] := 2.5; PU := 2; end."
+    )
+    job.mcu.ctru("inch", "min")
+    job.mcu.wrsysvarint(3, 33)
+    job.mcu.wraxvardbl("A1", 2, 1.25)
+    job.run()
+    assert (job.ci(0), job.ci(1), job.ci(2), job.cd(0)) == (1, 1, 33, 1.25)
+    assert job.mcu.rdsysvardbl(1) == 2.5
