@@ -30,6 +30,7 @@ class Card:
     environment: dict[str, str] = field(default_factory=dict)
     routine: InterruptRoutine | None = None
     trace: native.Chunk | None = None
+    behind: float = 0.0  # of a sample, while another card is selected
     names: dict[str, int] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -67,14 +68,15 @@ class Driver:
         get the same time. An interrupt routine is called behind the sample that raised the interrupt."""
         if self._advancing:
             raise RuntimeError("an interrupt routine cannot let time pass")
+        _ = self._mcu
         self._advancing = True
         try:
             self._pass(self._card, samples)
-            now = self._mcu.samples() * self.machine.sample_time_s
             for card in self._cards:
-                behind = now / card.machine.sample_time_s - card.emulator.samples()
-                if card is not self._card and behind >= 1.0:
-                    self._pass(card, math.floor(behind))
+                if card is not self._card:
+                    due = card.behind + samples * self.machine.sample_time_s / card.machine.sample_time_s
+                    card.behind = due % 1.0
+                    self._pass(card, int(due))
         finally:
             self._advancing = False
 

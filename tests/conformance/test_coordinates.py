@@ -223,3 +223,25 @@ def test_pcap_index(mcu: Mcu) -> None:
     with pytest.raises(stop(mcu)) as error:
         mcu.rdpcapindex("X")
     assert error.value.status != 0
+
+
+@pytest.mark.shows("pcap.lpr", "pcap.lprs", "pcap.lprs.san-ignored")
+def test_recordings_of_the_system_analysis(mcu: Mcu) -> None:
+    mcu.lprs(["X", "Z"], let=0.5, lst=0.1)
+    mcu.ja({"X": 30.0})
+    mcu.advance(800)
+    x, z = mcu.analysis("X"), mcu.analysis("Z")
+    assert mcu.analysis("Y")["dp"] == []
+    first, last = x["t_s"][0], x["t_s"][-1]
+    assert (first, last) == (pytest.approx(0.1, abs=2 * TA), pytest.approx(0.6, abs=2 * TA))
+    samples = np.rint(np.array(x["t_s"]) / TA).astype(int) - 1
+    assert x["dp"] == mcu.trace.dp[samples, 0].tolist() and x["rp"] == mcu.trace.rp[samples, 0].tolist()
+    assert max(x["dv"]) == mcu.rdjvl("X") and max(x["mcp"]) > 0.0
+    assert x["t_s"] == z["t_s"] and set(z["dp"]) == {0.0}
+    mcu.lpr("Y", let=0.2)
+    mcu.advance(200)
+    y = mcu.analysis("Y")["t_s"]
+    assert y[-1] - y[0] == pytest.approx(0.2, abs=2 * TA)
+    for lst, let in [(-1.0, 1.0), (0.0, 0.0), (0.0, float("nan"))]:
+        with pytest.raises(ValueError, match="must be times"):
+            mcu.lpr("X", let, lst)

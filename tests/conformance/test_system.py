@@ -236,9 +236,22 @@ def test_several_cards() -> None:
     assert mcu.cardselect(0) == 0
     assert (mcu.machine.axis_names, mcu.rdci(1), mcu.getenvstr("SerialNumber")) == (["X", "Y", "Z"], 0, "")
     assert mcu.samples == 200, "time is the same for both"
-    mcu.advance(200)
+    mcu.bootfile("nowhere.elf")
+    with pytest.raises(PcapError):
+        mcu.advance(1)
     assert mcu.cardselect(1) == 1
-    assert mcu.rddp("W") > position, "it went on while the other card was selected"
+    assert mcu.rddp("W") == position, "no time passes for a card that does not run"
+    mcu.cardselect(0)
+    mcu = Mcu(Machine.load(MILL), Machine.parse(LATHE.format(name="W") + "[controller]\nsample_ticks = 30\n"))
+    mcu.cardselect(1)
+    mcu.cl("W")
+    mcu.ja({"W": 7.0})
+    mcu.cardselect(0)
+    for _ in range(100):
+        mcu.advance(1)
+    mcu.cardselect(1)
+    assert mcu.samples == 66, "of 1.92 ms, in 100 of 1.28 ms"
+    assert mcu.rddp("W") > 0.1, "it works while the other card is selected"
     assert mcu.cardselect(2) == -1
     assert mcu.machine.axis_names == ["X", "Y", "Z"], "card 0"
     mcu.cardselect(1)
