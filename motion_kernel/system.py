@@ -8,15 +8,16 @@ import os
 import struct
 from pathlib import Path
 
+from cnc_front._native import motion_kernel as native
 from motion_kernel.axis_values import Loops
 from motion_kernel.commands import command
+from motion_kernel.driver import FAILED, TIMEOUT
 from motion_kernel.machine import Machine, MachineError
 from motion_kernel.structures import ROSI, Initialised
 
 REVISION = "V2.5.3.126"  # OSVERSION 253126 (design D12)
 APCI_8008 = 32
 PLATFORM = 8  # ELF machine of rwmos.elf: MIPS (chapter 3)
-MOST_BYTES = 64 * 1024 * 1024  # memory of a CNC task
 SYSTEM_FILES = (".toml", ".dat")
 AUTOCODE = ".cnc"
 
@@ -94,23 +95,34 @@ class System(Loops):
 
     @command("4.4.129")
     def txbf2(self, filename: str | os.PathLike[str]) -> int:
-        """Sends a machine file: all axes begin anew with its values, what was written before is lost (common variables
-        stay). The name may have a path; it is looked for in the working folder, then along PATH.
+        """Sends a machine file (.toml, .dat): all axes begin anew with its values, what was written before is lost
+        (common variables stay). Or an autocode file (.cnc): its program replaces that of the task that it names, which
+        stops; startcnct starts it. The name may have a path; it is looked for in the working folder, then along PATH.
         0, or 20 to 24: see `txbferrorreport`."""
         if not self._card.booted:
-            return -4
+            return TIMEOUT
         path = _find(os.fspath(filename))
         if path is None:
             return 20
-        if path.suffix.lower() not in SYSTEM_FILES:
+        kind = path.suffix.lower()
+        if kind not in (*SYSTEM_FILES, AUTOCODE):
             return 22
         try:
-            machine = Machine.load(path)
+            if path.stat().st_size > native.MOST_AUTOCODE_BYTES:
+                return 21
+            data = path.read_bytes()
         except OSError:
             return 20
+        return self._send_program(data) if kind == AUTOCODE else self._send_system(data)
+
+    def _send_program(self, data: bytes) -> int:
+        return self._mcu.load_autocode(data) if self._card.initialised else FAILED
+
+    def _send_system(self, data: bytes) -> int:
+        try:
+            self._card.take(Machine.parse(data))
         except MachineError:
             return 24
-        self._card.take(machine)
         return 0
 
     @command("4.4.129")

@@ -7,7 +7,18 @@ from numpy.typing import NDArray
 from cnc_front._native.gcode import Program
 from cnc_front._native.sympas import Program as SapProgram
 
-__all__ = ["Chunk", "Machine", "MachineError", "Mcu", "Stimulus", "register_bits", "trajectory_units"]
+__all__ = [
+    "Chunk",
+    "Machine",
+    "MachineError",
+    "Mcu",
+    "Stimulus",
+    "register_bits",
+    "trajectory_units",
+    "MOST_AUTOCODE_BYTES",
+]
+
+MOST_AUTOCODE_BYTES: int
 
 _Outcome = Literal["entered", "full", "refused", "discarded"]
 
@@ -95,6 +106,7 @@ class Mcu:
     def pass_on(self, samples: int) -> int: ...
     def take_recording(self) -> Chunk: ...
     def initialise(self, machine: Machine) -> None: ...
+    def load_autocode(self, data: bytes) -> int: ...
     def prepare_gcode(self) -> None: ...
     def load(self, task: int, program: Program | SapProgram) -> None: ...
     def hold(self) -> None: ...

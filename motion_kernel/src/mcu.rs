@@ -49,6 +49,24 @@ pub struct Registers {
     pub lookahead_depth: u32,
 }
 
+impl Registers {
+    fn after_boot(machine: &Machine) -> Self {
+        Registers {
+            modereg: ModeReg(0),
+            errorreg: ErrorReg(0),
+            units: crate::units::TrajectoryUnits::default(),
+            trovr: 1.0,
+            trovrst: 0.0,
+            trac: machine.gcode.trac_feed,
+            trvl: 0.0,
+            trtvl: 0.0,
+            sap: crate::sap::Parameters::default(),
+            nfrax: AxisSet::EMPTY,
+            lookahead_depth: machine.controller.lookahead_depth,
+        }
+    }
+}
+
 /// Why [`Mcu::advance`] came back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
@@ -167,19 +185,7 @@ impl Mcu {
             axes,
             moves: Moves::with_capacity(slots),
             lookahead: Lookahead::with_capacity(slots),
-            registers: Registers {
-                modereg: ModeReg(0),
-                errorreg: ErrorReg(0),
-                units: crate::units::TrajectoryUnits::default(),
-                trovr: 1.0,
-                trovrst: 0.0,
-                trac: machine.gcode.trac_feed,
-                trvl: 0.0,
-                trtvl: 0.0,
-                sap: crate::sap::Parameters::default(),
-                nfrax: AxisSet::EMPTY,
-                lookahead_depth: machine.controller.lookahead_depth,
-            },
+            registers: Registers::after_boot(&machine),
             card: Card::new(machine.axes.len()),
             ci: vec![0; COMMONS],
             cd: vec![0.0; COMMONS],

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import gcode
+import sympas
 from motion_kernel import Machine, Mcu, PcapError
 from tests.app.conftest import ROOT
 
@@ -151,3 +154,49 @@ def test_common_buffers(mcu: Mcu) -> None:
             mcu.rdcbcnct(task, size)
         assert error.value.status == status
     assert mcu.rdcbcnct(0) == full[0], "nothing was written"
+
+
+COUNT = "{{$TASK {task}}}\nbegin CI{task} := {value}; while true do CI9 := CI9 + 1; end.\n"
+
+
+def autocode(folder: Path, task: int, value: int) -> Path:
+    """An autocode file: its program sets the common integer of its task, then counts CI9 for ever."""
+    path = folder / f"count{task}-{value}.cnc"
+    sympas.compile(COUNT.format(task=task, value=value), Machine.load(MILL)).save(path)
+    return path
+
+
+@pytest.mark.shows(
+    "pcap.txbf2.types", "pcap.txbf2.cnc-overwrites", "pcap.txbf2.cnc-stops-task", "pcap.txbf2.cnc-task-in-file",
+    "pcap.txbf2.cnc-start",
+)  # fmt: skip
+def test_an_autocode_file_goes_into_its_task(mcu: Mcu, tmp_path: Path) -> None:
+    assert mcu.txbf2(MILL) == mcu.txbf2(autocode(tmp_path, 2, 11)) == 0
+    mcu.advance(10)
+    assert (mcu.rdci(2), mcu.rdcncts(2).running) == (0, 0), "it does not run by itself"
+    mcu.startcnct(2)
+    mcu.advance(10)
+    assert (mcu.rdci(2), mcu.rdcncts(2).running & 1) == (11, 1)
+    assert mcu.txbf2(autocode(tmp_path, 2, 22)) == 0
+    counted = mcu.rdci(9)
+    mcu.advance(10)
+    assert (mcu.rdci(9), mcu.rdcncts(2).running) == (counted, 0), "the task was stopped"
+    mcu.startcnct(2)
+    mcu.advance(10)
+    assert mcu.rdci(2) == 22, "another program"
+    assert [mcu.rdci(n) for n in (0, 1, 3)] == [0, 0, 0]
+
+
+@pytest.mark.shows("pcap.txbf2.ret-21", "pcap.txbf2.ret-22", "pcap.txbf2.ret-24")
+def test_autocode_files_that_are_refused(mcu: Mcu, tmp_path: Path) -> None:
+    good = autocode(tmp_path, 1, 5).read_bytes()
+    path = tmp_path / "file.CNC"
+    for data, status in [(good, 0), (good[1:], 22), (b"", 22), (good[:-1], 24), (good[:-1] + b"\x55", 24)]:
+        path.write_bytes(data)
+        assert mcu.txbf2(path) == status
+    with path.open("wb") as file:
+        file.truncate(65 * 1024 * 1024)  # takes no room on the disk
+    assert mcu.txbf2(path) == 21
+    mcu.startcnct(1)
+    mcu.advance(5)
+    assert mcu.rdci(1) == 5, "what was refused changed nothing"

@@ -5,6 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use ::sympas::cnc::CncError;
 use ::sympas::diagnostics::{Diagnostic, Language};
 use ::sympas::lexer::MAX_SOURCE_MIB;
 use ::sympas::source::Loader;
@@ -52,6 +53,22 @@ impl Program {
     /// The autocode file.
     fn encode<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &cnc::encode(&self.inner))
+    }
+}
+
+#[pymethods]
+impl crate::kernel::Mcu {
+    /// txbf2 of an autocode file: loads it into the task that it names (else 0), which stops. Return code of 4.4.129.
+    fn load_autocode(&mut self, py: Python<'_>, data: &[u8]) -> i32 {
+        match py.detach(|| cnc::decode(data)) {
+            Ok(program) => {
+                let task = usize::from(program.task.unwrap_or(0));
+                let known = task < motion_kernel::mcu::TASKS;
+                if known && self.kernel.load_sap(task, Arc::new(program)).is_ok() { 0 } else { 24 }
+            }
+            Err(CncError::Magic | CncError::Version(_)) => 22,
+            Err(CncError::Damaged | CncError::Malformed(_) | CncError::Refused(_)) => 24,
+        }
     }
 }
 
