@@ -5,6 +5,8 @@ mod common;
 
 use common::chain::*;
 use common::*;
+use motion_kernel::axes::AxisSet;
+use motion_kernel::functions::Entered;
 use motion_kernel::registers::{Axst, ErrorReg, ModeReg};
 use motion_kernel::trace::Trace;
 use motion_kernel::{Mcu, Stop};
@@ -60,6 +62,24 @@ fn check_path_dynamics(chain: &Chain, trace: &Trace, lengths: &[f64], factor: f6
     }
 }
 
+/// From sample to sample the speed of an axis changes by no more than its ramp, its share of the curvature (v²/r within
+/// maxacc on arcs) and mdvel for every junction in between.
+fn check_axis_steps(chain: &Chain, trace: &Trace, factor: f64, over: f64) {
+    let n = trace.axes;
+    let noise = 1e-12 * chain.extent();
+    let number = |k: usize| if trace.entry[k] == 0 { chain.placed.len() } else { trace.entry[k] as usize };
+    for k in 2..trace.len() {
+        let passed = &chain.placed[number(k - 2) - 1..number(k)];
+        let ramp = passed.iter().map(|b| b.element.ac).fold(0.0, f64::max) * over;
+        let allowed = (ramp + MAXACC) * factor * factor * TA + (passed.len() - 1) as f64 * MDVEL * factor;
+        for a in 0..n {
+            let x = |back: usize| trace.dp[(k - back) * n + a] * chain.scale[a];
+            let step = (x(0) - 2.0 * x(1) + x(2)).abs() / TA;
+            assert!(step <= allowed + 4.0 * noise / TA, "axis {a}, sample {k}: {step} mm/s of {allowed}");
+        }
+    }
+}
+
 /// With ChkMaxVel no axis on a line exceeds maxvel or maxacc.
 fn check_axis_limits(chain: &Chain, trace: &Trace, factor: f64) {
     let n = trace.axes;
@@ -87,9 +107,16 @@ proptest! {
     fn set_points_lie_on_the_path_at_any_override(
         chain in prop_oneof![3 => chain(20), 1 => chain_in_space(20)],
         mode in 0..MODES.len(),
+        nfrax in prop_oneof![Just(0), 1..64u32],
         schedule in prop::collection::vec((1u64..300, 0.05..1.5f64, 0.0..0.4f64), 1..8),
     ) {
-        let mut m = started(&chain, MODES[mode]);
+        let mut m = mcu_of(chain.machine(), MODES[mode]);
+        m.registers_mut().nfrax = AxisSet(nfrax);
+        for n in 0..chain.placed.len() {
+            prop_assert_eq!(chain.enter(&mut m, n), Entered::Yes);
+        }
+        let all = m.all_axes();
+        m.ssms(all);
         let mut travelled = 0.0;
         for (samples, factor, seconds) in schedule.into_iter().cycle().take(1000).chain([(100_000, 1.0, 0.0)]) {
             give(&mut m, factor, seconds);
@@ -118,6 +145,7 @@ proptest! {
         let lengths = chain.follow(&trace, 0.0);
         let over = if mode.has(ModeReg::SProfile) { 1.0 + jerkrel } else { 1.0 };
         check_path_dynamics(&chain, &trace, &lengths, factor, over);
+        check_axis_steps(&chain, &trace, factor, over);
         if mode.has(ModeReg::ChkMaxVel) {
             check_axis_limits(&chain, &trace, factor);
         }
