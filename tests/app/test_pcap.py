@@ -230,7 +230,7 @@ def test_registers_are_read_as_they_were_written(mcu: Mcu) -> None:
     assert mcu.rdsdec("X") == 123.0
 
 
-@pytest.mark.shows("pcap.rdcncts")
+@pytest.mark.shows("pcap.rdcncts", "pcap.stepcnct", "pcap.contcnct")
 def test_status_of_a_task(mcu: Mcu) -> None:
     program = gcode.compile("G90 G21\nG1 X5 F3000\n\nX10\nM30\n", mcu.machine)
     mcu.prepare_gcode()

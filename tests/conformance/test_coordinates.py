@@ -54,6 +54,7 @@ def test_targets_are_in_the_coordinates_of_the_zero_point(mcu: Mcu) -> None:
     assert mcu.rddp("X") == pytest.approx(25.0)
 
 
+@pytest.mark.shows("pcap.rdsll", "pcap.rdslr", "pcap.wrsll", "pcap.wrslr")
 def test_software_limits_stay_at_the_machine(lathe: Mcu) -> None:
     lathe.prepare_gcode()
     lathe.szpa("X", 150.0)
@@ -62,8 +63,9 @@ def test_software_limits_stay_at_the_machine(lathe: Mcu) -> None:
     lathe.advance(8000)
     assert lathe.rdaxst("X").lsrs
     assert lathe.rddp("X") == pytest.approx(50.0, abs=1e-2)
+    lathe.wrsll("X", -190.0)
     lathe.wrslr("X", 210.0)
-    assert lathe.rdslr("X") == 210.0
+    assert (lathe.rdsll("X"), lathe.rdslr("X")) == (-190.0, 210.0)
 
 
 @pytest.mark.shows(
@@ -205,7 +207,7 @@ def test_a_flag_holds_the_integral_part() -> None:
     assert command_of_a_blocked_axis(1 << 8 | 1 << 9) == pytest.approx(1.0, abs=0.01), "StopControl, StopZero: empty"
 
 
-@pytest.mark.shows("pcap.rdpcapindex", "pcap.rdpcapindex.ret-0")
+@pytest.mark.shows("pcap.rdpcapindex", "pcap.rdpcapindex.ret-0", "pcap.smlai", "pcap.smlri", "pcap.ssfi", "pcap.ssfni")
 def test_pcap_index(mcu: Mcu) -> None:
     mcu.smlai({"X": 5.0}, 41, ac=500.0, vl=20.0)
     mcu.smlri({"X": 5.0}, 42, ac=500.0, vl=20.0)
@@ -227,21 +229,22 @@ def test_pcap_index(mcu: Mcu) -> None:
 
 @pytest.mark.shows("pcap.lpr", "pcap.lprs", "pcap.lprs.san-ignored")
 def test_recordings_of_the_system_analysis(mcu: Mcu) -> None:
-    mcu.lprs(["X", "Z"], let=0.5, lst=0.1)
+    mcu.lprs(["X", "Z"], let=1000 * TA, lst=0.1)
     mcu.ja({"X": 30.0})
-    mcu.advance(800)
+    mcu.advance(1200)
     x, z = mcu.analysis("X"), mcu.analysis("Z")
     assert mcu.analysis("Y")["dp"] == []
     first, last = x["t_s"][0], x["t_s"][-1]
-    assert (first, last) == (pytest.approx(0.1, abs=2 * TA), pytest.approx(0.6, abs=2 * TA))
+    assert (first, last) == (pytest.approx(0.1, abs=2 * TA), pytest.approx(0.1 + 1000 * TA, abs=2 * TA))
+    assert len(x["t_s"]) == 1000
     samples = np.rint(np.array(x["t_s"]) / TA).astype(int) - 1
     assert x["dp"] == mcu.trace.dp[samples, 0].tolist() and x["rp"] == mcu.trace.rp[samples, 0].tolist()
     assert max(x["dv"]) == mcu.rdjvl("X") and max(x["mcp"]) > 0.0
     assert x["t_s"] == z["t_s"] and set(z["dp"]) == {0.0}
-    mcu.lpr("Y", let=0.2)
-    mcu.advance(200)
+    mcu.lpr("Y", let=2000 * TA)
+    mcu.advance(2000)
     y = mcu.analysis("Y")["t_s"]
-    assert y[-1] - y[0] == pytest.approx(0.2, abs=2 * TA)
-    for lst, let in [(-1.0, 1.0), (0.0, 0.0), (0.0, float("nan"))]:
+    assert (len(y), y[-1] - y[0]) == (1000, pytest.approx(2000 * TA, abs=3 * TA)), "every second sample"
+    for lst, let in [(-1.0, 1.0), (0.0, -1.0), (0.0, float("nan"))]:
         with pytest.raises(ValueError, match="must be times"):
             mcu.lpr("X", let, lst)

@@ -34,7 +34,7 @@ def cell() -> Mcu:
 @pytest.mark.shows(
     "digi.bit0", "digi.bit1", "digi.bit2", "digi.bit3", "digi.bit4", "digi.bit5", "digi.bit6", "digi.bit7",
     "digi.bit8", "digi.bit9", "digi.bit10", "digi.bit11", "digi.bit12", "digi.bit13", "digi.bit14", "digi.bit15",
-    "pcap.rddigib.inputs", "pcap.rddigi.no-axis-mapping",
+    "pcap.rddigi", "pcap.rddigib", "pcap.rddigib.inputs", "pcap.rddigi.no-axis-mapping",
 )  # fmt: skip
 @pytest.mark.parametrize("number", range(1, 17))
 def test_each_input_has_its_bit(mcu: Mcu, number: int) -> None:
@@ -100,7 +100,7 @@ def test_loops_and_amplifiers(cell: Mcu, close: str) -> None:
     assert cell.rddigo("X") == 0b010, "those of the axis"
 
 
-@pytest.mark.shows("pcap.ra.outputs", "pcap.ra.pae-group", "pcap.rs.outputs")
+@pytest.mark.shows("pcap.ra.outputs", "pcap.ra.pae-group", "pcap.rs", "pcap.rs.outputs")
 def test_resets_and_outputs(cell: Mcu) -> None:
     cell.cl(["X", "Y"])
     cell.wrdigo("X", 0b11001011)

@@ -50,6 +50,7 @@ def test_a_command_that_stands_twice_is_noticed() -> None:
 
 
 def test_the_page_is_current() -> None:
+    """Else: python -m tests.conformance.pcap_page > docs/pcap.md"""
     text = PAGE.read_text("utf-8")
     assert text.startswith(HEAD)
     lines = [line.strip("| ").replace("\\|", "\0").split(" | ") for line in text[len(HEAD) :].splitlines()]
@@ -57,7 +58,7 @@ def test_the_page_is_current() -> None:
     for (manual, method, unit, chapter, row), cells in zip(rows(), lines, strict=True):
         assert cells[:2] == [manual, f"`{method}`".replace("\\|", "\0")]
         assert (cells[2].strip("| "), cells[-2]) == (unit, chapter) if unit else cells[-2] == chapter
-        assert cells[-1] in tests.get(row, []), f"{manual}: no test of that name shows {row}"
+        assert cells[-1] in tests.get(row, []), f"{manual}: no such test shows {row}; write the page anew (see above)"
 
 
 def test_the_page_can_be_written() -> None:

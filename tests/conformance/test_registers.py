@@ -29,6 +29,7 @@ DEFAULTS: list[tuple[str, str]] = [
 @pytest.mark.shows(
     "pcap.rdjac", "pcap.rdjac.default", "pcap.rdjvl", "pcap.rdjvl.default", "pcap.rdjtvl", "pcap.rdjtvl.default",
     "pcap.rdsdec", "pcap.rdsdec.default", "pcap.rdjerkrel", "pcap.rdmdvel", "pcap.rdmaxvel", "pcap.rdmaxacc",
+    "pcap.wrjac", "pcap.wrjtvl", "pcap.rdipw", "pcap.wripw", "pcap.rdmpe", "pcap.wrmpe", "pcap.rdhac", "pcap.wrhac",
     "pcap.wrjvl", "pcap.wrsdec", "pcap.wrjerkrel", "pcap.wrmdvel", "pcap.wrmaxvel", "pcap.wrmaxacc",
     "struct.tsrp.jac", "struct.tsrp.jvl", "struct.tsrp.jtvl", "struct.tsrp.hac",
     "struct.tsrp.ipw", "struct.tsrp.mpe",
@@ -48,7 +49,7 @@ def test_default_then_what_was_written(name: str, key: str | None) -> None:
         assert getattr(tsrp, name) == 0.375
 
 
-@pytest.mark.shows("struct.tsrp.hvl")
+@pytest.mark.shows("struct.tsrp.hvl", "pcap.rdhvl", "pcap.wrhvl")
 def test_home_velocity(mcu: Mcu) -> None:
     assert mcu.rdhvl("X") == axis_of_machine("jog_velocity") / 4
     mcu.wrhvl("X", 3.0)
@@ -103,7 +104,7 @@ def test_js_brakes_with_the_sdec_of_the_machine_until_another_is_written(mcu: Mc
 @pytest.mark.shows(
     "pcap.rdtrac", "pcap.rdtrac.ret-0", "pcap.rdtrvl", "pcap.rdtrvl.ret-0", "pcap.rdtrtvl", "pcap.rdtrtvl.ret-0",
     "pcap.wrtrac", "pcap.wrtrac.ret-0", "pcap.wrtrvl", "pcap.wrtrvl.ret-0", "pcap.wrtrtvl", "pcap.wrtrtvl.ret-0",
-    "pcap.rdtrovrst.ret-0", "pcap.wrtrovrst.ret-0",
+    "pcap.rdtrovrst.ret-0", "pcap.wrtrovrst.ret-0", "pcap.wrtrovrst",
 )  # fmt: skip
 @pytest.mark.parametrize("name", ["trac", "trvl", "trtvl", "trovrst"])
 def test_path_values_return_0_or_an_error(mcu: Mcu, name: str) -> None:
@@ -147,7 +148,7 @@ def test_nfrax_takes_axes_out_of_the_path_velocity(mcu: Mcu) -> None:
     assert mcu.rdnfrax() == []
 
 
-@pytest.mark.shows("pcap.rdjovr", "struct.tsrp.jovr", "pcap.wrjovr.reset")
+@pytest.mark.shows("pcap.rdjovr", "pcap.wrjovr", "struct.tsrp.jovr", "pcap.wrjovr.reset")
 def test_jog_override(mcu: Mcu) -> None:
     assert mcu.rdjovr("X") == 1.0
     for reset in (lambda: mcu.ra("X"), mcu.rs):
@@ -160,7 +161,7 @@ def test_jog_override(mcu: Mcu) -> None:
             mcu.wrjovr("X", bad)
 
 
-@pytest.mark.shows("pcap.ra.override")
+@pytest.mark.shows("pcap.ra.override", "pcap.ra")
 def test_ra_resets_the_effective_override_and_not_the_buffered_one(mcu: Mcu) -> None:
     mcu.wrtrovr(0.5)
     mcu.utrovr(["X", "Y"])
@@ -175,7 +176,14 @@ def test_ra_resets_the_effective_override_and_not_the_buffered_one(mcu: Mcu) -> 
     assert speed[:2] == pytest.approx([20.0, 10.0], rel=1e-9)
 
 
-@pytest.mark.shows("pcap.wrtrovrst.trovr-read", "pcap.wrtrovrst.actual-by-jovr", "pcap.wrtrovrst.bit25")
+@pytest.mark.shows(
+    "pcap.wrtrovrst.trovr-read",
+    "pcap.wrtrovrst.actual-by-jovr",
+    "pcap.wrtrovrst.bit25",
+    "pcap.rdtrovr",
+    "pcap.wrtrovr",
+    "pcap.utrovr",
+)
 @pytest.mark.parametrize("ovrmode", [False, True])
 def test_the_override_in_its_ramp(mcu: Mcu, ovrmode: bool) -> None:
     mcu.wrmodereg(ModeReg.of("OvrMode") if ovrmode else 0)
@@ -192,7 +200,8 @@ def test_the_override_in_its_ramp(mcu: Mcu, ovrmode: bool) -> None:
 
 
 @pytest.mark.shows(
-    "pcap.rdtp", "pcap.wrtp", "struct.tsrp.tp", "struct.tsrp.rp", "struct.tsrp.dp", "pcap.rddv.read-only",
+    "pcap.rdtp", "pcap.wrtp", "pcap.rdrp", "pcap.rddp", "pcap.rddv", "pcap.rdposerr",
+    "struct.tsrp.tp", "struct.tsrp.rp", "struct.tsrp.dp", "pcap.rddv.read-only",
     "pcap.rdrv.read-only", "pcap.rdposerr.read-only",
 )  # fmt: skip
 def test_positions_and_targets(mcu: Mcu) -> None:
@@ -214,7 +223,8 @@ def test_positions_and_targets(mcu: Mcu) -> None:
 
 
 @pytest.mark.shows(
-    "pcap.rdap", "pcap.rdap.same-as-single", "struct.tsrp.per-axis", "struct.tsrp.an", "struct.tsrp.not-auto",
+    "pcap.rdap", "pcap.rdf", "pcap.uf", "pcap.rdap.same-as-single",
+    "struct.tsrp.per-axis", "struct.tsrp.an", "struct.tsrp.not-auto",
     "struct.tsrp.extra-fields", "struct.tsrp.kp", "struct.tsrp.ki", "struct.tsrp.kd", "struct.tsrp.kpl",
     "struct.tsrp.kfca", "struct.tsrp.kfcv", "struct.tsrp.mcp", "struct.tsrp.lsm", "struct.tsrp.axst",
     "struct.tsrp.digi", "struct.tsrp.digo", "struct.tsrp.sll", "struct.tsrp.slr", "struct.tsrp.epc", "pcap.rdepc",
@@ -269,7 +279,9 @@ def test_modereg_controls_options(mcu: Mcu) -> None:
     assert end_of_a_fraction_of_a_count() != 1.00003
 
 
-@pytest.mark.shows("pcap.rdmdvel", "pcap.wrmdvel", "pcap.rdmaxvel", "pcap.wrmaxvel", "pcap.rdmaxacc", "pcap.wrmaxacc")
+@pytest.mark.shows(
+    "pcap.ctru", "pcap.rdmdvel", "pcap.wrmdvel", "pcap.rdmaxvel", "pcap.wrmaxvel", "pcap.rdmaxacc", "pcap.wrmaxacc"
+)
 def test_look_ahead_limits_are_in_interpolation_units(mcu: Mcu) -> None:
     mcu.wrmdvel("X", 25.4)
     mcu.wrmaxvel("X", 254.0)
@@ -329,7 +341,7 @@ def test_the_effective_radius_is_in_pu(lathe: Mcu) -> None:
             lathe.wreffradius(axis, bad)
 
 
-@pytest.mark.shows("pcap.rdslsp.ret-0")
+@pytest.mark.shows("pcap.rdslsp", "pcap.rdslsp.ret-0")
 def test_slsp_cannot_be_read_without_a_system(mcu: Mcu) -> None:
     assert mcu.rdslsp("X") == axis_of_machine("slsp")
     with pytest.raises(stop(mcu)):

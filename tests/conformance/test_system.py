@@ -305,7 +305,7 @@ def test_an_interrupt_routine_lets_no_time_pass(mcu: Mcu) -> None:
     mcu.advance(5)
 
 
-@pytest.mark.shows("def.maxaxis", "struct.as.zero-based")
+@pytest.mark.shows("def.maxaxis", "struct.as.zero-based", "pcap.rdaxst", "pcap.rdaxstb")
 def test_axes_are_numbered_from_0(mcu: Mcu) -> None:
     assert MAXAXIS == 18
     axes = "".join(LATHE.format(name=f"A{n}") for n in range(MAXAXIS))
@@ -313,6 +313,7 @@ def test_axes_are_numbered_from_0(mcu: Mcu) -> None:
     many.cl([0, 2])
     assert [many.rdaxst(n).cl for n in range(4)] == [True, False, True, False]
     assert many.rdaxst(17) == many.rdaxst("A17")
+    assert [many.rdaxstb(2, n) for n in (13, 14, 1, 0, 33)] == [1, 1, 0, 0, 0], "pe and cl, counted from 1"
     with pytest.raises(ValueError, match="MC109"):
         Machine.parse(axes + LATHE.format(name="B"))
 
@@ -365,7 +366,7 @@ def test_commands_do_not_wait_for_a_profile(mcu: Mcu) -> None:
     assert mcu.rdaxst("X").pe, "in spool mode as well"
 
 
-@pytest.mark.shows("pcap.return.distinct", "pcap.return.not-all")
+@pytest.mark.shows("pcap.return.distinct", "pcap.return.not-all", "pcap.rdsampletime")
 def test_values_and_return_codes_are_different_things(mcu: Mcu) -> None:
     assert mcu.wrtrac(250.0) == 0
     assert mcu.rdtrac() == 250.0

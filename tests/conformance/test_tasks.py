@@ -46,7 +46,7 @@ def test_commands_of_the_pc_run_beside_the_program_of_a_task() -> None:
     assert mcu.rddp("Feeder") == 0.0
 
 
-@pytest.mark.shows("sap.tasks.numbers")
+@pytest.mark.shows("sap.tasks.numbers", "pcap.startcnct")
 def test_tasks_are_0_to_3(mcu: Mcu) -> None:
     mcu.prepare_gcode()
     for task in range(4):
