@@ -162,7 +162,15 @@ def test_latching_in_step(cell: Mcu) -> None:
 
 
 @pytest.mark.shows(
-    "pcap.cl", "pcap.ol", "pcap.clv", "pcap.rptodp", "pcap.wrdp", "pcap.wrrp", "pcap.wrmcp", "pcap.rdmcp"
+    "pcap.cl",
+    "pcap.ol",
+    "pcap.clv",
+    "pcap.rptodp",
+    "pcap.wrdp",
+    "pcap.wrrp",
+    "pcap.wrmcp",
+    "pcap.rdmcp",
+    "pcap.rdrv",
 )
 def test_loops(cell: Mcu) -> None:
     cell.ol("X")

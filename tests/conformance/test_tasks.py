@@ -156,6 +156,22 @@ def test_common_buffers(mcu: Mcu) -> None:
     assert mcu.rdcbcnct(0) == full[0], "nothing was written"
 
 
+@pytest.mark.shows("pcap.stopcnct", "pcap.contcnct", "pcap.clearci99")
+def test_a_task_stops_and_one_waits_for_the_pc(mcu: Mcu) -> None:
+    load(mcu, 0, "G90 G21\nG4 P500\nCI1 = 1\nM06 T1\nCI1 = 2\nM30\n")
+    mcu.prepare_gcode()
+    mcu.startcnct(0)
+    mcu.stopcnct(0)
+    mcu.advance(1000)
+    assert (mcu.rdci(1), mcu.rdcncts(0).running) == (0, 0)
+    mcu.contcnct(0)
+    mcu.advance(1000)
+    assert mcu.rdci(1) == 1 and mcu.rdci(99) != 0
+    mcu.clearci99()
+    mcu.advance(5)
+    assert (mcu.rdci(99), mcu.rdci(1)) == (0, 2)
+
+
 COUNT = "{{$TASK {task}}}\nbegin CI{task} := {value}; while true do CI9 := CI9 + 1; end.\n"
 
 
