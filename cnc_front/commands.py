@@ -18,7 +18,6 @@ from cnc_front.jobs import (
     CompileOptions,
     JobSource,
     MachineFile,
-    compile_autocode,
     compile_job,
     diagnose,
     load_machine,
@@ -86,6 +85,12 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
+    if _is_autocode(options.job, options.language):
+        from cnc_front.sap_command import run_sap
+
+        return run_sap(options, interrupted)
+    if options.task:
+        raise UsageError("--task is for rw_SymPas jobs")
     from cnc_front import outputs
     from cnc_front.progress import Progress
     from cnc_front.run import RunOptions
@@ -126,6 +131,14 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     return verdict.exit
 
 
+def _is_autocode(path: str, language: str | None) -> bool:
+    """True for rw_SymPas jobs and autocode files; a file that cannot be read is reported where it is compiled."""
+    try:
+        return read_job(path, language).language != "din66025"
+    except CompileError:
+        return False
+
+
 class _Loaded:
     """What is known of a run even if it does not compile."""
 
@@ -159,31 +172,15 @@ def check(options: argparse.Namespace) -> int:
 
 def translate(options: argparse.Namespace) -> int:
     """`cnc-front translate`."""
-    if read_job(options.job, options.language).language != "din66025":
-        return _translate_autocode(options)
+    if _is_autocode(options.job, options.language):
+        from cnc_front.sap_command import translate_autocode
+
+        return translate_autocode(options)
     if options.autocode or options.output:
         raise UsageError("--autocode and --output are for rw_SymPas jobs and autocode files")
     job = _load(options.job, options)
     _print_start(job, options)
     sys.stdout.writelines(job.program.listing(job.source.data, options.json))
-    return Exit.DONE
-
-
-def _translate_autocode(options: argparse.Namespace) -> int:
-    """Disassembles a rw_SymPas job or an autocode file, or writes the autocode file."""
-    from cnc_front import outputs
-
-    target = outputs.check_autocode(options.output, [options.job]) if options.output else None
-    machine = load_machine(options.machine, options.job)
-    source = read_job(options.job, options.language)
-    program, diagnostics = compile_autocode(source, machine, _compile_options(options))
-    if program is None:
-        raise CompileError(diagnostics)
-    _print_warnings(diagnostics, options)
-    if target is not None:
-        target.write_bytes(program.encode())
-    else:
-        sys.stdout.writelines(line + "\n" for line in program.listing())
     return Exit.DONE
 
 

@@ -30,6 +30,13 @@ TEXTS: dict[str, tuple[str, str]] = {
         "angehalten durch Störung {name} {axis} bei {t_s:.3f} s, Zeile {line}",
     ),
     "task_error": ("runtime error {errnum} at line {line}", "Laufzeitfehler {errnum} in Zeile {line}"),
+    "sap_error": (
+        "task {task}: runtime error {errnum:04X} hex at line {line}",
+        "Task {task}: Laufzeitfehler {errnum:04X} hex in Zeile {line}",
+    ),
+    "sap_goes_on": ("task {task} is at line {line}", "Task {task} ist in Zeile {line}"),
+    "task": ("task", "Task"),
+    "position": ("position", "Position"),
     "time_limit": (
         "time limit of {seconds:g} s reached (--max-time)",
         "Zeitgrenze von {seconds:g} s erreicht (--max-time)",

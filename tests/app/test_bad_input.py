@@ -131,13 +131,6 @@ def test_output_that_cannot_be_written(job: Callable[..., Path]) -> None:
     assert (closed.returncode, closed.stderr) == (0, "")
 
 
-def test_sympas_jobs_are_refused_clearly(cli: Cli, job: Callable[..., Path]) -> None:
-    path = job("program x; begin end.\n", "part.src")
-    ran = cli("run", path)
-    assert ran.code == 2
-    assert_diagnosed(ran.err, path, "CF201")
-
-
 DAMAGED: dict[str, bytes] = {
     "empty": b"",
     "no toml": b"this is { not toml",

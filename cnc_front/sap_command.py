@@ -1,0 +1,106 @@
+"""What `run` and `translate` do with rw_SymPas jobs and autocode files."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable
+
+from cnc_front.diagnostics import Diagnostic
+from cnc_front.errors import CompileError, Exit, UsageError
+from cnc_front.jobs import (
+    CompileOptions,
+    JobSource,
+    MachineFile,
+    compile_autocode,
+    load_machine,
+    load_stimulus,
+    read_job,
+)
+from cnc_front.messages import language_from
+from cnc_front.sap_run import TASKS, SapOptions, SapRun, Task
+
+#: Options of `run` that need a programmed path.
+FOREIGN = ("record", "report", "tolerance", "start", "stop")
+
+
+def _say(diagnostics: tuple[Diagnostic, ...], options: argparse.Namespace) -> None:
+    for diagnostic in diagnostics:
+        if not (options.quiet and diagnostic.is_warning):
+            print(diagnostic, file=sys.stderr)
+
+
+def _compile_options(options: argparse.Namespace) -> CompileOptions:
+    return CompileOptions(messages=language_from(options.lang))
+
+
+def _asked(options: argparse.Namespace) -> list[tuple[int | None, str]]:
+    """Task numbers and files; the first is the job itself, whose number may stand in its text."""
+    asked: list[tuple[int | None, str]] = [(None, options.job)]
+    for text in options.task:
+        number, equals, path = text.partition("=")
+        if not equals or number not in {str(n) for n in range(TASKS)}:
+            raise UsageError(f"--task: '{text}' is not N=JOB with N from 0 to {TASKS - 1}")
+        asked.append((int(number), path))
+    return asked
+
+
+def _load(number: int | None, path: str, machine: MachineFile, options: argparse.Namespace) -> Task:
+    """Compiles one job; raises CompileError with every finding."""
+    source: JobSource = read_job(path, options.language)
+    if source.language == "din66025":
+        raise UsageError(f"{path} is no rw_SymPas job: its name ends with .src, or it is an autocode file")
+    program, diagnostics = compile_autocode(source, machine, _compile_options(options))
+    if program is None:
+        raise CompileError(diagnostics)
+    if number is None:
+        number = program.task if program.task is not None else 0
+    return Task(number, source, program, diagnostics)
+
+
+def run_sap(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
+    """`cnc-front run job.src [--task 1=monitor.src ...]`."""
+    foreign = [name for name in FOREIGN if getattr(options, name) is not None]
+    if foreign or options.override != "1":
+        raise UsageError(f"--{(foreign or ['override'])[0]} is for part programs, not for rw_SymPas jobs")
+    language = language_from(options.lang)
+    machine = None
+    try:
+        machine = load_machine(options.machine, options.job)
+        tasks = [_load(number, path, machine, options) for number, path in _asked(options)]
+        stimulus = load_stimulus(options.stimulus, machine) if options.stimulus else None
+    except CompileError as error:
+        _say(error.diagnostics, options)
+        if options.json:
+            from cnc_front.verdict import failed_object
+
+            args = (options.job, None, options.machine, machine, error.diagnostics)
+            print(json.dumps(failed_object(*args), allow_nan=False))
+        return Exit.BAD_INPUT
+    numbers = [task.number for task in tasks]
+    if len(set(numbers)) < len(numbers):
+        raise UsageError(f"two jobs for one task ({', '.join(map(str, numbers))}): give --task N=JOB")
+    for task in tasks:
+        _say(task.warnings, options)
+    run = SapRun(machine, tasks, SapOptions(options.max_time, interrupted, stimulus=stimulus)).run()
+    print(json.dumps(run.as_json(), allow_nan=False) if options.json else run.as_text(language))
+    return run.exit
+
+
+def translate_autocode(options: argparse.Namespace) -> int:
+    """Disassembles a rw_SymPas job or an autocode file, or writes the autocode file."""
+    from cnc_front import outputs
+
+    target = outputs.check_autocode(options.output, [options.job]) if options.output else None
+    machine = load_machine(options.machine, options.job)
+    source = read_job(options.job, options.language)
+    program, diagnostics = compile_autocode(source, machine, _compile_options(options))
+    if program is None:
+        raise CompileError(diagnostics)
+    _say(diagnostics, options)
+    if target is not None:
+        target.write_bytes(program.encode())
+    else:
+        sys.stdout.writelines(line + "\n" for line in program.listing())
+    return Exit.DONE
