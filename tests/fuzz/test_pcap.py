@@ -13,12 +13,22 @@ from hypothesis import strategies as st
 
 from motion_kernel import CommandRefused, Machine, Mcu, ModeReg, PcapError
 from motion_kernel.commands import COMMANDS
-from tests.conformance.conftest import MILL
+from tests.conformance.conftest import MILL, ROTARY
 
+# servo axes; switches, index pulses, a probe; steppers, one of them with an encoder, one rotary
+MACHINES = [
+    Machine.load(MILL),
+    Machine.load(MILL.parents[1] / "pcap" / "cell.toml"),
+    Machine.parse(
+        ROTARY.replace("[[axis]]", '[[axis]]\ndrive = "stepper"').replace(
+            "[[axis]]", "[[axis]]\nencoder = { counts_per_unit = 300, feedback = true }", 1
+        )
+    ),
+]
 # what a caller may do wrong; a panic of the kernel is none of these
 ERRORS = (ValueError, KeyError, IndexError, OverflowError, CommandRefused, PcapError)
 
-AXIS = st.sampled_from(["X", "Y", "Z", 0, 1, 2, "X", "Y", "Q", 3, -1])
+AXIS = st.sampled_from(["X", "Y", "C", 0, 1, 2, "X", 0, 1, "Q", 3, -1])
 NUMBER = st.one_of(
     st.floats(-100, 100), st.sampled_from([0.0, -0.0, 1e-300, 1e300, -1e300, 5e-324, math.inf, -math.inf, math.nan])
 )
@@ -62,9 +72,15 @@ def test_every_type_of_argument_is_drawn() -> None:
 
 
 @settings(max_examples=int(os.environ.get("FUZZ_EXAMPLES", "150")), suppress_health_check=list(HealthCheck))
-@given(st.lists(calls(), min_size=1, max_size=25), st.sampled_from([0, ModeReg.of("LookAhead", "SProfile", "JSatSAF")]))
-def test_no_command_breaks_the_controller(sequence: list[tuple[str, list[Any], dict[str, Any]]], modereg: int) -> None:
-    mcu = Mcu(Machine.load(MILL))
+@given(
+    st.sampled_from(MACHINES),
+    st.sampled_from([0, ModeReg.of("LookAhead", "SProfile", "JSatSAF"), ModeReg.of("SimulationMode", "ChkMaxVel")]),
+    st.lists(calls(), min_size=1, max_size=25),
+)
+def test_no_command_breaks_the_controller(
+    machine: Machine, modereg: int, sequence: list[tuple[str, list[Any], dict[str, Any]]]
+) -> None:
+    mcu = Mcu(machine)
     mcu.cl(mcu.machine.axis_names)
     mcu.wrmodereg(modereg)
     for name, plain, named in sequence:
