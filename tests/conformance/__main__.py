@@ -15,7 +15,7 @@ from .catalogue import Row, read_catalogue
 from .claims import Claim, claims_under
 
 ROOT = Path(__file__).parents[2]
-RUST_FOLDERS = ["motion_kernel", "gcode", "toolpaths", "cnc_front"]
+RUST_FOLDERS = ["motion_kernel", "gcode", "sympas", "toolpaths", "cnc_front"]
 
 
 def module_of(claim: Claim, root: Path) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from motion_kernel import Mcu
 from motion_kernel.commands import COMMANDS, Command
+from tests.conformance.__main__ import RUST_FOLDERS
 from tests.conformance.claims import claims_under
 
 ROOT = Path(__file__).parents[2]
@@ -49,7 +50,7 @@ def shown_by() -> dict[str, list[str]]:
         for function, ids in python_claims(ast.parse(file.read_text("utf-8"))):
             for row in ids:
                 tests.setdefault(row, []).append(f"{file.relative_to(ROOT).as_posix()}::{function}")
-    for claim in claims_under(ROOT, ["motion_kernel"]):
+    for claim in claims_under(ROOT, RUST_FOLDERS):
         for row in claim.ids:
             tests.setdefault(row, []).append(f"{claim.file.relative_to(ROOT).as_posix()}::{claim.function}")
     return tests
