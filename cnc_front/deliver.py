@@ -184,4 +184,4 @@ def _metadata(job: CompiledJob, options: RunOptions, tolerance_mm: float, tolera
         "tolerance_from": tolerance_from,
         "schedule": json.dumps([list(point) for point in options.schedule]),
         "version": VERSION,
-    }
+    } | ({"stimulus": options.stimulus.text} if options.stimulus else {})

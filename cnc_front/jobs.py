@@ -42,6 +42,7 @@ class StimulusFile:
     """What the world outside does in a run, and where that stands."""
 
     path: str
+    text: str
     sha256: str
     stimulus: native_kernel.Stimulus
 
@@ -171,7 +172,7 @@ def load_stimulus(path: str, machine: MachineFile) -> StimulusFile:
         stimulus = native_kernel.Stimulus.parse(data, shown(path), machine.machine)
     except native_kernel.MachineError as error:
         raise CompileError([Diagnostic(*row) for row in error.args[0]]) from None
-    return StimulusFile(path, hashlib.sha256(data).hexdigest(), stimulus)
+    return StimulusFile(path, data.decode("utf-8"), hashlib.sha256(data).hexdigest(), stimulus)
 
 
 def diagnose(

@@ -2,7 +2,7 @@
 //! braked with hac as its signal comes.
 #![allow(non_snake_case)] // the manual's own names
 
-use crate::axes::AxisSet;
+use crate::axes::{AxisList, AxisSet, MAX_AXES};
 use crate::axis::{Axis, Doing};
 use crate::functions::Entered;
 use crate::mcu::Mcu;
@@ -22,16 +22,16 @@ pub enum Search {
 
 impl Mcu {
     /// Searches the encoder index over at most these distances (jhi); their signs are the directions.
-    pub fn jhi(&mut self, axes: &crate::axes::AxisList, distances: &[f64]) -> Entered {
+    pub fn jhi(&mut self, axes: &AxisList, distances: &[f64]) -> Entered {
         self.search(axes, distances, Search::Index)
     }
     /// Searches the reference switch to the left, endlessly (jhl).
-    pub fn jhl(&mut self, axes: &crate::axes::AxisList) -> Entered {
-        self.search(axes, &vec![-1.0; axes.len()], Search::Reference)
+    pub fn jhl(&mut self, axes: &AxisList) -> Entered {
+        self.search(axes, &[-1.0; MAX_AXES][..axes.len()], Search::Reference)
     }
     /// Searches the reference switch to the right, endlessly (jhr).
-    pub fn jhr(&mut self, axes: &crate::axes::AxisList) -> Entered {
-        self.search(axes, &vec![1.0; axes.len()], Search::Reference)
+    pub fn jhr(&mut self, axes: &AxisList) -> Entered {
+        self.search(axes, &[1.0; MAX_AXES][..axes.len()], Search::Reference)
     }
 
     /// The search takes effect: a trapezoidal profile with hvl and hac from the present velocity.

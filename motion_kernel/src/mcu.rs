@@ -253,6 +253,7 @@ impl Mcu {
             (fresh.group, fresh.leader) = (self.group, self.leader);
         }
         fresh.check_configuration();
+        fresh.keep_stimulus(self);
         *self = fresh;
     }
     /// The operating system starts again (BootFile): all as after power-up, but for the drives that are there and what

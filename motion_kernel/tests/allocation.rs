@@ -5,11 +5,13 @@ mod common;
 
 use common::*;
 use motion_kernel::Mcu;
+use motion_kernel::analysis::LatchInfos;
 use motion_kernel::autocode::{Builder, Instr, Move, MoveKind, Program, Ssf};
 use motion_kernel::axes::{AxisList, AxisSet};
 use motion_kernel::functions::Entered;
-use motion_kernel::machine::Machine;
-use motion_kernel::registers::ModeReg;
+use motion_kernel::machine::{Index, Machine};
+use motion_kernel::registers::{ControllerFlags, ModeReg};
+use motion_kernel::stimulus::Stimulus;
 use motion_kernel::trace::Trace;
 use motion_kernel::trajectory::Hmp3d;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -154,4 +156,32 @@ fn circles_in_space_allocate_nothing() {
     m.pass(10_000, &mut trace);
     assert_eq!(ALLOCATIONS.get() - before, 0);
     assert!(trace.entry[9_999] > 10, "only {} circles", trace.entry[9_999]);
+}
+
+/// Everything that a sample may have to look after besides motion.
+#[test]
+fn searches_latches_faults_and_offsets_allocate_nothing() {
+    let mut machine = Machine::builtin();
+    for axis in &mut machine.axes {
+        axis.equipment.index = Some(Index { position: 0.0, period: 1.0, width: 0.01, inverted: false });
+        axis.equipment.backlash_compensation = 0.01;
+    }
+    let mut m = mcu_of(machine, ModeReg(0));
+    let rules = "while X > 1: input 14 on bouncing 9 ms, Y blocked\nwhenever X < 2 after 5 ms: Z pushed 0.1\n\
+                 when X > 3: X encoder cut\nat 2 s: X encoder mended, Y drive off";
+    m.add_stimulus(&Stimulus::parse(rules, &["X", "Y", "Z"]).expect("valid"));
+    m.wrControllerFlags(0, ControllerFlags(0xf0f));
+    m.wrdvoffset(0, 0.01);
+    m.wrdpoffset(0, 3.0);
+    m.lps(1, 3);
+    m.lprs(m.all_axes(), &LatchInfos { san: 0, lst: 0.1, let_: 2.0 });
+    m.run(10);
+    let mut trace = Trace::new(3, 3000);
+    m.pass(10, &mut trace);
+    let before = ALLOCATIONS.get();
+    m.jhi(&AxisList::new(&[0, 1]), &[9.0, -7.0]);
+    m.jhl(&AxisList::new(&[2]));
+    m.pass(2900, &mut trace);
+    assert_eq!(ALLOCATIONS.get() - before, 0);
+    assert!(m.rdPosErr(0).abs() > 0.0 && m.machine_position(2) < -10.0);
 }

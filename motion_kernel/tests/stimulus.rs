@@ -232,3 +232,14 @@ fn the_same_rules_give_the_same_run_in_chunks_of_any_size() {
     };
     assert_eq!(record(1), record(1000));
 }
+
+#[test]
+fn the_page_names_every_word_and_every_id() {
+    let page = std::fs::read_to_string("../docs/stimulus.md").expect("docs/stimulus.md");
+    for (id, remedy) in ST_IDS {
+        assert!(page.contains(&format!("| {id} | {remedy} |")), "{id}");
+    }
+    for word in WORDS {
+        assert!(page.split(|c: char| !c.is_alphanumeric()).any(|w| w == word), "{word}");
+    }
+}

@@ -66,6 +66,8 @@ def test_scene(
     assert run["machine_time_s"] > error["t_s"] + 0.01
     assert np.abs(course[-1] - course[-5]).max() < 0.01, "up to the standstill"
     assert any(event["kind"] == "stimulus" for event in events(recording))
+    rules = (FAULTS / f"{stimulus}.stim").read_text()
+    assert open_recording(str(recording)).metadata["stimulus"] == rules, "the recording says what acted"
 
 
 def test_emergency_out_takes_all_axes(cli: Cli, tmp_path: Path) -> None:

@@ -125,6 +125,16 @@ impl Mcu {
     }
 }
 
+impl Mcu {
+    /// New system data do not change the world outside, as far as the axes are the same.
+    pub(crate) fn keep_stimulus(&mut self, before: &mut Mcu) {
+        if self.axes.len() == before.axes.len() {
+            std::mem::swap(&mut self.player, &mut before.player);
+            self.attend_to(|attention| attention.stimulus = before.attention.stimulus);
+        }
+    }
+}
+
 impl Rule {
     fn axes(&self) -> AxisSet {
         let of_condition = |condition: &Condition| match condition {
