@@ -36,6 +36,7 @@ impl Mcu {
         if ok {
             self.loops[a].convert(counts_per_unit, ratio);
             self.axes[a].convert(counts_per_unit, ratio);
+            self.signals[a].backlash.convert(ratio);
         }
         ok
     }
@@ -49,6 +50,7 @@ impl Axis {
     /// A position of `x` units has `x * ratio` units from now on.
     fn convert(&mut self, counts_per_unit: f64, ratio: f64) {
         self.parameters.counts_per_unit = counts_per_unit;
+        self.parameters.dpoffset *= ratio;
         let lengths = [
             &mut self.dp,
             &mut self.dv,

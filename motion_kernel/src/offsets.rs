@@ -32,6 +32,10 @@ impl Backlash {
     pub(crate) fn shift(&mut self, by: f64) {
         self.turning += by;
     }
+    /// A position of `x` units has `x * ratio` units from now on (gear.rs).
+    pub(crate) fn convert(&mut self, ratio: f64) {
+        [&mut self.value, &mut self.hysteresis, &mut self.turning].into_iter().for_each(|x| *x *= ratio);
+    }
     /// True if the direction of travel changed.
     fn turns(&mut self, dp: f64) -> bool {
         let ahead = if self.leftward { self.turning - dp } else { dp - self.turning };

@@ -101,3 +101,16 @@ fn backlash_compensation_can_be_changed_at_run_time() {
         close(mcu.machine_position(0), target + actual, 2e-4);
     }
 }
+
+#[test]
+fn another_gear_factor_keeps_offsets_where_they_are() {
+    let mut mcu = mcu_of(Machine::builtin(), ModeReg(0));
+    mcu.wrdpoffset(0, 0.5);
+    mcu.wrbacklash(0, 0.02);
+    mcu.run(500);
+    mcu.wrgf(0, 2.0 * mcu.rdgf(0));
+    assert_eq!((mcu.rddpoffset(0), mcu.rdbacklash(0)), (1.0, 0.04));
+    close(mcu.rdrp(0), 1.0, 4e-4);
+    mcu.run(500);
+    close(mcu.rdrp(0), 1.0, 4e-4);
+}

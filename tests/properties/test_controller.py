@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from scipy import signal
-from scipy.optimize import brentq
+from scipy import signal  # type: ignore[import-untyped]
+from scipy.optimize import brentq  # type: ignore[import-untyped]
 
 from motion_kernel import Machine, Mcu, ModeReg
 
@@ -149,7 +149,7 @@ def poles(loop: Loop) -> Floats:
     b, a = signal.bilinear([loop.kd, loop.kp, loop.ki], [lag, 1.0, 0.0], 1.0 / SAMPLE_TIME_S)
     gain = loop.full_speed / FULL_SCALE * loop.counts_per_mm
     bz, az, _ = signal.cont2discrete(([gain], [loop.lag_s, 1.0, 0.0]), SAMPLE_TIME_S)
-    return np.abs(np.roots(np.polyadd(np.polymul(a, az), np.polymul(b, bz[0]))))
+    return np.asarray(np.abs(np.roots(np.polyadd(np.polymul(a, az), np.polymul(b, bz[0])))))
 
 
 def critical_gain() -> float:
