@@ -50,7 +50,6 @@ impl Axis {
     /// A position of `x` units has `x * ratio` units from now on.
     fn convert(&mut self, counts_per_unit: f64, ratio: f64) {
         self.parameters.counts_per_unit = counts_per_unit;
-        self.parameters.dpoffset *= ratio;
         let lengths = [
             &mut self.dp,
             &mut self.dv,
