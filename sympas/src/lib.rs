@@ -14,6 +14,7 @@ mod instructions;
 pub mod lexer;
 pub mod listing;
 pub mod parser;
+pub mod reference;
 pub mod scope;
 pub mod source;
 pub mod token;

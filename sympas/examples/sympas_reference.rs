@@ -1,0 +1,5 @@
+//! Prints `docs/sympas.md`.
+
+fn main() {
+    print!("{}", sympas::reference::page());
+}
