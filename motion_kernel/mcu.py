@@ -9,6 +9,7 @@ there is one. `docs/pcap.md` lists all of them.
 from __future__ import annotations
 
 from motion_kernel.axis_values import Parameters, Positions
+from motion_kernel.debug import Debugging
 from motion_kernel.homing import Homing
 from motion_kernel.motion import SpooledMotion
 from motion_kernel.status import CardRegisters, Status
@@ -17,7 +18,7 @@ from motion_kernel.system_values import SystemValues
 from motion_kernel.tasks import Tasks
 
 
-class Mcu(SpooledMotion, Homing, Positions, Parameters, SystemValues, Status, CardRegisters, Tasks, System):
+class Mcu(SpooledMotion, Homing, Positions, Parameters, SystemValues, Status, CardRegisters, Tasks, Debugging, System):
     """Controllers after boot: loops open, MODEREG and TROVRST 0. One card for each machine; commands go to the one that
     `cardselect` chose, at first card 0. Not safe across threads."""
 

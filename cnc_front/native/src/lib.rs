@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 
 mod chunk;
+mod debug;
 mod kernel;
 mod machine;
 mod motion;

@@ -157,6 +157,15 @@ impl Processor {
         let at = self.pc - usize::from(self.wait.is_some()); // during wt the line of the wait
         self.program.lines.get(at).map_or(0, |(_, line)| *line)
     }
+    /// The routine being executed.
+    pub fn routine(&self) -> u16 {
+        self.routine
+    }
+    /// Names of the routines being executed, the main program first.
+    pub fn calls(&self) -> Vec<&str> {
+        let numbers = self.frames.iter().map(|f| f.routine).chain([self.routine]);
+        numbers.map(|n| self.program.routines[usize::from(n)].name.as_str()).collect()
+    }
     /// Source line of the instruction that failed.
     pub fn failed_line(&self) -> u32 {
         self.program.lines.get(self.pc.saturating_sub(1)).map_or(0, |(_, line)| *line)

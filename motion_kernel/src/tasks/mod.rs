@@ -1,9 +1,11 @@
 //! The four CNC tasks (chapter 3.2.1): the virtual machine that executes autocode.
 
+mod debug;
 mod output;
 mod sap_task;
 mod vm;
 
+pub use debug::Value;
 pub use output::{Output, STRING};
 pub use vm::{Task, TaskState, TaskStatus, runtime_error};
 
