@@ -35,6 +35,7 @@ pub mod points;
 mod port;
 pub mod position_loop;
 pub mod profile;
+mod profile_check;
 pub mod qualifiers;
 pub mod registers;
 pub mod sap;

@@ -125,7 +125,8 @@ impl Profile {
     pub fn spooled(r: &Request) -> Profile {
         // A start above the maximum is set to it by a jump.
         let start_v = r.start_v.min(r.max_v);
-        if r.target_v < 0.0 { Self::reversing(r, start_v) } else { Self::forward(r, start_v) }
+        let profile = if r.target_v < 0.0 { Self::reversing(r, start_v) } else { Self::forward(r, start_v) };
+        profile.checked(r.from)
     }
 
     fn forward(r: &Request, start_v: f64) -> Profile {
@@ -189,7 +190,7 @@ impl Profile {
         let brake_s = (v0 * v0 - end_v * end_v) / (2.0 * brake_acc);
         if v0 > 0.0 && brake_s > length {
             profile.too_fast(r, end_v, brake_s, brake_acc, is_jog);
-            return profile;
+            return profile.checked(r.from);
         }
         let shares = 1.0 / (2.0 * r.acc) + 1.0 / (2.0 * brake_acc);
         let top_v2 = (length + v0 * v0 / (2.0 * r.acc) + end_v * end_v / (2.0 * brake_acc)) / shares;
@@ -202,7 +203,7 @@ impl Profile {
             profile.hold_speed_from(r.from, peak_v, cruise_s / peak_v);
         }
         profile.push(r.from, peak_v, end_v, -brake_acc, r.jerkrel);
-        profile
+        profile.checked(r.from)
     }
 
     /// The way is too short to brake to `end_v`.
@@ -237,19 +238,25 @@ impl Profile {
         if stop_s < to {
             profile.end_s = stop_s;
             profile.push(from, start_v, 0.0, -brake_acc, jerkrel);
-            return (profile, true);
+            return (profile.checked(from), true);
         }
         let acc = brake_acc.max((start_v2 - limit_v2) / (2.0 * (to - from)));
         (profile.end_s, profile.end_v) = (to, (start_v2 - 2.0 * acc * (to - from)).max(0.0).sqrt());
         profile.push(from, start_v, profile.end_v, -acc, 0.0);
-        (profile, false)
+        (profile.checked(from), false)
     }
 
     /// Braking while running backwards (the end of an overshoot): `v` < 0.
     pub fn turning_back(from: f64, v: f64, brake_acc: f64) -> Profile {
         let mut profile = Profile { end_s: from - v * v / (2.0 * brake_acc), ..Profile::default() };
         profile.push(from, v, 0.0, brake_acc, 0.0);
-        profile
+        profile.checked(from)
+    }
+
+    /// In debug builds: verified by integration (profile_check.rs).
+    fn checked(self, from: f64) -> Profile {
+        debug_assert!(self.is_integral(from), "not the integral of its acceleration: {self:?} from {from}");
+        self
     }
 
     fn next_s(&self, from: f64) -> f64 {
