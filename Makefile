@@ -33,7 +33,7 @@ help:
 	@echo 'make test         every test: cargo test --workspace, pytest'
 	@echo 'make lint         ruff, mypy, rustfmt, clippy'
 	@echo 'make conformance  how many rows of the manual a passing test shows (tests/conformance)'
-	@echo 'make bench        speed figures beside a reference loop (benches)'
+	@echo 'make bench        speed figures beside a reference loop and beside peers that are installed (benches)'
 	@echo 'make check        test, lint and conformance: what .ci/run does'
 	@echo 'make clean        remove all that was built'
 
@@ -73,6 +73,9 @@ out/test/python.json: $(OURS) $(NATIVE) | .venv/.dev
 
 bench: $(NATIVE)
 	@$(PY) -m benches
+	@$(PY) -m benches.peer
+	@$(PY) -m benches.sympas
+	@cargo bench --quiet --locked -p motion_kernel
 
 check:
 	@.ci/run

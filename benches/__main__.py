@@ -15,6 +15,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -39,16 +40,22 @@ def best(work: Callable[[], object]) -> float:
     return min(once() for _ in range(REPEATS))
 
 
+def generator() -> Any:
+    """The module that writes the workloads of LinuxCNC and others."""
+    spec = importlib.util.spec_from_file_location("gen", GENERATOR)
+    assert spec and spec.loader
+    gen = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(gen)
+    return gen
+
+
 def workloads(folder: Path) -> Iterator[Path]:
     """The jobs; generated ones land in `folder`."""
     yield ROOT / "examples" / "jobs" / "engraving.nc"
     if not GENERATOR.is_file():
         print(f"skipped: the workloads of {GENERATOR} (not there)")
         return
-    spec = importlib.util.spec_from_file_location("gen", GENERATOR)
-    assert spec and spec.loader
-    gen = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(gen)
+    gen = generator()
     for name, write in {
         "a100k.ngc": lambda path: gen.short(100_000, path),
         "b100k.ngc": lambda path: gen.pocket(100_000, path),
