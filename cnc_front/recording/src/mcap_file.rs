@@ -28,7 +28,7 @@ pub(crate) struct McapFile {
     events: u16,
     sequence: [u32; 3],
     buffer: Vec<u8>,
-    text: String,
+    text: Vec<u8>,
 }
 
 const EVENT_SCHEMA: &str = concat!(
@@ -64,7 +64,7 @@ impl McapFile {
             sample_time_s: header.sample_time_s,
             sequence: [0; 3],
             buffer: Vec::new(),
-            text: String::new(),
+            text: Vec::new(),
         })
     }
 
@@ -90,7 +90,7 @@ impl McapFile {
             text.clear();
             state::message(part, k, &self.axes, self.sample_time_s, &mut text);
             let (channel, time) = (self.state, self.time_ns(part.first_sample + k as u64 + 1));
-            self.message(1, channel, time, text.as_bytes())?;
+            self.message(1, channel, time, &text)?;
             self.text = text;
         }
         Ok(())

@@ -144,7 +144,7 @@ fn states_lie_between_the_columns_they_belong_to() {
         .filter(|message| message.channel.topic == recording::STATE)
         .map(|message| message.log_time)
         .collect();
-    assert!(times.len() > 2500 / 16 && times.is_sorted());
+    assert!(times.len() > 2500 / 32 && times.is_sorted());
 }
 
 #[test]
