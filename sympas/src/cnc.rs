@@ -165,6 +165,7 @@ fn put_program(program: &Program, out: &mut Vec<u8>) {
     });
     put_list(&program.files, out, |text, out| put_text(text, out));
     put_list(&program.globals, out, |bits, out| bits.put(out));
+    put_list(&program.constants, out, |bits, out| bits.put(out));
     put_list(&program.routines, out, |routine, out| {
         put_text(&routine.name, out);
         routine.entry.put(out);
@@ -207,6 +208,7 @@ fn get_program(from: &mut Reader) -> Option<Program> {
         lines: from.list(6, |r| Some((u16::get(r)?, u32::get(r)?)))?,
         files: from.list(4, Reader::text)?,
         globals: from.list(8, u64::get)?,
+        constants: from.list(8, u64::get)?,
         routines: from.list(13, get_routine)?,
         lists: from.list(4, |r| r.list(4, |r| Some(Operand { axis: Field::get(r)?, value: Field::get(r)? })))?,
         texts: from.list(4, Reader::text)?,

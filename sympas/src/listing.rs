@@ -32,6 +32,11 @@ pub fn listing(program: &Program) -> String {
             motion_kernel::sap::code::Instr::Do(_, list) | motion_kernel::sap::code::Instr::AwaitEnd(_, list) => {
                 format!("{} ({})", operands[0], list_text(program, routine, *list))
             }
+            motion_kernel::sap::code::Instr::Constant(_, number) => {
+                let value =
+                    program.constants.get(*number as usize).map_or_else(String::new, |bits| literal_text(*bits));
+                format!("{}, {value}", operands[0])
+            }
             motion_kernel::sap::code::Instr::WriteText(text) => {
                 program.texts.get(*text as usize).map_or_else(String::new, |t| format!("'{}'", t.escape_debug()))
             }

@@ -65,7 +65,7 @@ fn limits(out: &mut String) {
 | include levels | {MAX_INCLUDE_LEVELS} |
 | statements and parentheses within each other | {MAX_NESTING} |
 | operators in a row | {MAX_HEIGHT} |
-| global variables, axes and different constants together | {MOST_GLOBALS} |
+| global variables and axes, with the first 2048 different constants | {MOST_GLOBALS} |
 | variables and intermediate values of a routine | {MOST_FRAME} |
 | axes of a command | {} |
 ",

@@ -113,7 +113,7 @@ fn the_disassembler_names_what_it_can() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: support::fuzz_cases(2000), failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Bytes changed anywhere, checksum mended: an error or a program that lists; never a panic.
     #[test]

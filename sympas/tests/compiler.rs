@@ -228,3 +228,14 @@ fn the_twelve_programs_of_the_grammar_compile() {
         motion_kernel::sap::verify::verify(&result.program.expect("no errors")).expect("a program for a task");
     }
 }
+
+#[test]
+fn a_program_may_have_any_number_of_constants() {
+    let lines: String = (0..20_000).map(|n| format!("  d := d + {n}.5; wrcbd(0, {n}.25);\n")).collect();
+    let source = format!("var d : double; i : integer;\nbegin\n{lines}  writeln(d, ' ', rdcbd(0));\nend.\n");
+    let program = program(&source);
+    assert!(program.constants.len() > 30_000 && program.globals.len() < 4096);
+    assert_eq!(sympas::cnc::decode(&sympas::cnc::encode(&program)).expect("its file"), program);
+    let outcome = support::controller::run(&program, 10_000);
+    assert_eq!(outcome.output, "200000000.0 19999.25\n");
+}

@@ -135,10 +135,8 @@ fn programs() -> Vec<String> {
         .collect()
 }
 
-/// CNC_FRONT_FUZZ multiplies the cases: the hour of fuzzing that issue 6 asks for is about 500.
 fn config(cases: u32) -> ProptestConfig {
-    let times = std::env::var("CNC_FRONT_FUZZ").ok().and_then(|n| n.parse().ok()).unwrap_or(1);
-    let cases = cases * times;
+    let cases = support::fuzz_cases(cases);
     ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
 }
 

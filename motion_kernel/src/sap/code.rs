@@ -37,6 +37,8 @@ pub enum Instr {
     Copy(Slot, Slot),
     /// Writes 0: FALSE, 0, 0.0.
     Clear(Slot),
+    /// Writes a constant of the pool: those that are used once need no global.
+    Constant(Slot, u32),
 
     // wrap to 32 bits and count an overflow; a divisor 0 is error 8000 hex
     AddI(Slot, Slot, Slot),

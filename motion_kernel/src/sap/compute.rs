@@ -122,6 +122,7 @@ impl Processor {
             Call(number, base) => return self.call(program, number, self.base + usize::from(base), false),
             Return => return self.leave(),
             Clear(to) => self.put(to, 0),
+            Constant(to, number) => self.put(to, program.constants[number as usize]),
             DivI(to, a, b) => {
                 let divisor = self.divisor(b)?;
                 self.put_int(to, self.int(a).overflowing_div(divisor));

@@ -61,6 +61,7 @@ pub struct Program {
     pub files: Vec<String>,
     /// Global slots with their values at the start of the task.
     pub globals: Vec<u64>,
+    pub constants: Vec<u64>,
     pub routines: Vec<Routine>,
     pub lists: Vec<Vec<Operand>>,
     pub texts: Vec<String>,

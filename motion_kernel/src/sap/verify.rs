@@ -93,6 +93,7 @@ impl Piece<'_> {
             | Instr::NextDown(..) => self.before_jump(address),
             Instr::Call(number, base) => self.call(number, base),
             Instr::Do(_, list) | Instr::AwaitEnd(_, list) => self.list(list),
+            Instr::Constant(_, number) if number as usize >= self.program.constants.len() => Err("an unknown constant"),
             Instr::WriteText(text) if text as usize >= self.program.texts.len() => Err("an unknown text"),
             Instr::Task(_, number) if number > 3 => Err("the task number is not 0 to 3"),
             Instr::Azo(set) if set > 4 => Err("the set of zero offsets is not 0 to 4"),
@@ -202,6 +203,7 @@ fn slots(instr: Instr) -> [Option<Slot>; 3] {
         | ReadBuffer(_, a, b)
         | WriteBuffer(_, a, b) => [Some(a), Some(b), None],
         Clear(a)
+        | Constant(a, _)
         | JumpIfNot(a, _)
         | ReadSystem(_, a)
         | WriteSystem(_, a)

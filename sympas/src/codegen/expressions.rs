@@ -57,9 +57,6 @@ impl Generator {
     pub(super) fn into(&mut self, expr: &Expr, target: Slot) {
         let mark = self.frame.top;
         match &expr.kind {
-            ExprKind::Literal(0) => {
-                self.emit(Instr::Clear(target));
-            }
             ExprKind::Load(place) if !matches!(place, Place::Slot(_)) => self.load(place, target),
             ExprKind::Unary(operator, inner) if *operator != Unary::Plus => {
                 let a = self.operand(inner);

@@ -12,6 +12,9 @@ use crate::diagnostics::{Fault, Id, Phrase, Reports};
 use crate::source::{Sources, Span};
 use crate::tree::{Routine, Unit};
 
+/// Literals that are globals: read as fast as variables.
+const MOST_LITERALS: usize = 2048;
+
 /// Generates the program of a unit that has no errors. Reports what does not fit into a task.
 pub fn generate(unit: Unit, sources: &Sources, reports: &mut Reports) -> Program {
     let program = Program {
@@ -121,9 +124,17 @@ impl Generator {
         self.frame.most = self.frame.most.max(self.frame.top);
         Slot::local(first.min(0x7FFF - count) as u16)
     }
+    /// A global that holds the literal; where there are many different ones, a temporary that it is loaded into.
     fn literal(&mut self, bits: u64) -> Slot {
         if let Some(slot) = self.literals.get(&bits) {
             return *slot;
+        }
+        if self.literals.len() >= MOST_LITERALS {
+            let slot = self.temporary();
+            let number = self.program.constants.len() as u32;
+            self.program.constants.push(bits);
+            self.emit(Instr::Constant(slot, number));
+            return slot;
         }
         let index = self.program.globals.len();
         self.program.globals.push(bits);

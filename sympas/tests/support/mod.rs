@@ -49,3 +49,8 @@ pub fn ids(compilation: &Compilation, warnings: bool) -> Vec<String> {
 pub fn real_text(value: f64, single: bool) -> String {
     if single { format!("{:?}", value as f32) } else { format!("{value:?}") }
 }
+
+/// Cases of a fuzz test; CNC_FRONT_FUZZ multiplies them: an hour of fuzzing is about 700.
+pub fn fuzz_cases(cases: u32) -> u32 {
+    cases * std::env::var("CNC_FRONT_FUZZ").ok().and_then(|n| n.parse().ok()).unwrap_or(1)
+}
