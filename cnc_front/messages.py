@@ -26,8 +26,8 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Störung {name} {axis} bei {t_s:.3f} s, Zeile {line}",
     ),
     "fault": (
-        "stopped by fault {name} {axis} at {t_s:.3f} s, line {line}",
-        "angehalten durch Störung {name} {axis} bei {t_s:.3f} s, Zeile {line}",
+        "stopped by fault {name} {axis} at {t_s:.3f} s, line {line}, {place}",
+        "angehalten durch Störung {name} {axis} bei {t_s:.3f} s, Zeile {line}, {place}",
     ),
     "task_error": ("runtime error {errnum} at line {line}", "Laufzeitfehler {errnum} in Zeile {line}"),
     "sap_error": (

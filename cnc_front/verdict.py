@@ -57,7 +57,9 @@ def _why_stopped(result: RunResult) -> Reason | None:
         return Reason("task_error", {"errnum": number, "line": line})
     if execution.end is End.FAULT and execution.fault is not None:
         alarm = execution.fault.alarm
-        return Reason("fault", {"axis": alarm.axis, "name": alarm.name, "line": alarm.line, "t_s": alarm.t_s})
+        place = " ".join(f"{axis} {value:.3f}" for axis, value in execution.fault.position.items())
+        values = {"axis": alarm.axis, "name": alarm.name, "line": alarm.line, "t_s": alarm.t_s, "place": place}
+        return Reason("fault", values)
     if execution.end is End.TIME_LIMIT:
         return Reason("time_limit", {"seconds": result.options.max_time_s})
     if execution.end is End.INTERRUPTED:

@@ -186,3 +186,42 @@ fn spool_memory_is_bounded_in_all() {
     assert_eq!((findings.len(), findings[0].id, findings[0].line), (1, "MC107", 32));
     assert!(findings[0].message.contains("5 axes"), "{}", findings[0].message);
 }
+
+#[test]
+fn what_an_axis_has_beside_drive_and_loop_is_read_checked_and_shown() {
+    let keys = "mpe = 1.0\nhome_velocity = 5.0\nhome_acceleration = 50.0\nbacklash_compensation = 0.02\n\
+                backlash_hysteresis = 0.1\nindex = { position = 1.0, period = 5.0, width = 0.01, inverted = true }\n\
+                encoder = { counts_per_unit = 4000.0, feedback = true }\n\
+                port = { max = 30000.0, min = -20000.0, positive = 50.0, negative = 60.0, inverted = true }";
+    let outputs = "\n[[output]]\nnumber = 2\non = true\n[[output]]\nnumber = 3\naxis = \"Y\"\nfunction = \"PAE\"\n";
+    let text = BUILTIN.replacen("mpe = 1.0", keys, 1) + outputs;
+    let text = text.replacen("sample_ticks = 20", "stop_at = [\"mpe\", \"saf\"]", 1);
+    let machine = Machine::parse(text.as_bytes()).expect("valid");
+    let equipment = &machine.axes[0].equipment;
+    assert_eq!((equipment.home.velocity, equipment.backlash_hysteresis), (Some(5.0), 0.1));
+    assert!(equipment.index.is_some_and(|i| i.inverted && i.period == 5.0));
+    assert!(equipment.encoder.is_some_and(|e| e.feedback) && equipment.port.inverted);
+    assert_eq!(
+        machine.outputs.iter().map(|o| (o.number, o.on, o.amplifier_of)).collect::<Vec<_>>(),
+        [(2, true, None), (3, false, Some(1))]
+    );
+    assert_eq!(machine.controller.stop_at.names().collect::<Vec<_>>(), ["mpe", "saf"]);
+    assert_eq!(Machine::parse(machine.show().as_bytes()), Ok(machine));
+
+    let id = |from: &str, to: &str| {
+        let text = text.replacen(from, to, 1);
+        findings(&text).into_iter().map(|d| d.id).collect::<Vec<_>>()
+    };
+    assert_eq!(id("width = 0.01", "width = 5.0"), ["MC110"]);
+    assert_eq!(id("width = 0.01, ", ""), ["MC104"]);
+    assert_eq!(id("max = 30000.0", "max = -25000.0"), ["MC110"]);
+    assert_eq!(id("max = 30000.0", "max = 40000.0"), ["MC106"]);
+    assert_eq!(id("positive = 50.0", "positive = -1.0"), ["MC106"]);
+    assert_eq!(id("number = 3\naxis", "number = 9\naxis"), ["MC106"]);
+    assert_eq!(id("axis = \"Y\"\nfunction = \"PAE\"", "axis = \"Q\"\nfunction = \"PAE\""), ["MC107"]);
+    assert_eq!(id("axis = \"Y\"\nfunction = \"PAE\"", "function = \"PAE\""), ["MC104"]);
+    assert_eq!(id("axis = \"Y\"\nfunction = \"PAE\"", "axis = \"Y\""), ["MC104"]);
+    for word in ["pe", "mpee", "referenced"] {
+        assert_eq!(id("\"mpe\"", &format!("\"{word}\"")), ["MC107"], "{word}");
+    }
+}

@@ -149,7 +149,7 @@ def test_a_recording_never_overwrites_the_stimulus(cli: Cli, tmp_path: Path) -> 
 
 def test_faults_are_told_in_german(cli: Cli) -> None:
     ran = cli("run", CONTOUR, "--stimulus", FAULTS / "limit_smd.stim", "--lang", "de")
-    assert ran.code == 3 and "angehalten durch Störung lslh X bei" in ran.out and "Zeile 10" in ran.out
+    assert ran.code == 3 and "angehalten durch Störung lslh X bei" in ran.out and "Zeile 10, X -5.0" in ran.out
 
 
 def example(name: str) -> Callable[..., Any]:

@@ -133,15 +133,31 @@ fn controller(section: Section<'_, '_>, axes: usize) -> Controller {
     controller
 }
 
+/// Status bits that tell of a fault.
+const STOPPING: Axst = Axst(
+    Axst::eo.0
+        | Axst::dnr.0
+        | Axst::lslh.0
+        | Axst::lsrh.0
+        | Axst::lsls.0
+        | Axst::lsrs.0
+        | Axst::mpe.0
+        | Axst::dhef.0
+        | Axst::cef.0
+        | Axst::ui.0
+        | Axst::saf.0,
+);
+
 fn stop_at(section: &Section<'_, '_>) -> Option<Axst> {
     let mut bits = Axst::default();
     for (name, span) in section.texts("stop_at")? {
-        match Axst::by_name(name) {
+        match Axst::by_name(name).filter(|bit| STOPPING.has(*bit)) {
             Some(bit) => bits.set(bit),
             None => {
-                let known: Vec<&str> = Axst::ALL.iter().map(|row| row.1).collect();
-                let hint = nearest(name, &known).map(|near| format!("did you mean {near}?"));
-                section.finding_at(span, "MC107", &format!("stop_at: unknown axst bit '{name}'"), hint);
+                let known: Vec<&str> = STOPPING.names().collect();
+                let near = nearest(name, &known).map(|near| format!("did you mean {near}?"));
+                let hint = near.unwrap_or_else(|| format!("one of {}", known.join(", ")));
+                section.finding_at(span, "MC107", &format!("stop_at: '{name}' is no axst bit of a fault"), Some(hint));
             }
         }
     }

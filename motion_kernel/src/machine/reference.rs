@@ -52,7 +52,7 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ("controller.clock_hz", "Clock of the step pulses (4.4.162): 66.66666 MHz APCI-8008, 70 MHz APCI-8001.", ""),
     (
         "controller.stop_at",
-        "Status bits (4.4.45) at which `run` stops all axes and ends the job with exit code 3; others are alarms only.",
+        "Status bits (4.4.45: eo, dnr, lslh, lsrh, lsls, lsrs, mpe, dhef, cef, ui, saf) at which `run` stops all axes and ends the job with exit code 3; others are alarms only.",
         "eo, dnr, lslh, lsrh",
     ),
     ("axis.name", "1 to 8 letters, digits or _, a letter first; unique.", "required"),
