@@ -405,6 +405,6 @@ class Loops(Driver):
 
     @command("4.4.62", "cycles")
     def rdepc(self, axis: AxisId) -> int:
-        """Times that system data were stored in the EEPROM. The emulator stores them once, from the machine file."""
+        """Times that the EEPROM of the card was programmed: each time that mcfg saves (`program_eeprom`)."""
         self._index(axis)
         return self._mcu.epc()

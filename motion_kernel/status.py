@@ -195,6 +195,10 @@ class CardRegisters(Driver):
         self._card.routine = None
         return 0
 
+    def program_eeprom(self) -> None:
+        """What mcfg does when it saves system data: one more programming cycle of the EEPROM (`rdepc`)."""
+        self._mcu.program_eeprom()
+
     @command("4.4.65", manual="rdGCR")
     def rdgcr(self, axis: AxisId) -> int:
         """Gear configuration register (resource interface)."""

@@ -125,7 +125,7 @@ impl Parameters {
             jac: axis.jog_acceleration,
             jog_brake: axis.jog_acceleration,
             jac_written: axis.jog_acceleration,
-            jtvl: 0.0,
+            jtvl: axis.jog_target_velocity,
             mpe: axis.mpe,
             ipw: axis.ipw,
             rotary,

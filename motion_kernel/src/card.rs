@@ -63,7 +63,7 @@ pub struct Card {
     irqpc: bool,
     /// Interrupts of the PC raised so far.
     interrupts: u64,
-    /// Times that system data were stored in the EEPROM (4.4.62).
+    /// Times that the EEPROM was programmed (4.4.62); a boot keeps it.
     pub epc: i32,
     pub variables: Variables,
     pub axes: Vec<AxisRegisters>,
@@ -77,7 +77,7 @@ impl Card {
             leds: [false; 3],
             irqpc: false,
             interrupts: 0,
-            epc: 1, // the system data of the machine file were stored once
+            epc: 0,
             variables: Variables::default(),
             axes: vec![AxisRegisters::default(); axes],
             buffers: std::array::from_fn(|_| vec![0; COMMON_BUFFER]),

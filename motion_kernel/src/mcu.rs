@@ -264,6 +264,7 @@ impl Mcu {
         fresh.io.keep_outside(&self.io);
         fresh.boot_interface();
         fresh.digi = fresh.io.active_inputs();
+        fresh.card.epc = self.card.epc;
         *self = fresh;
     }
 

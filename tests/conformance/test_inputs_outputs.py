@@ -195,7 +195,7 @@ def test_the_alarms_of_an_encoder(mcu: Mcu) -> None:
     assert not mcu.rddigi("X").names
 
 
-@pytest.mark.shows("axst.cef", "axst.cef.after-txbf2", "axst.cef.after-reset")
+@pytest.mark.shows("axst.cef", "axst.cef.after-txbf2")
 def test_the_configuration_is_checked(tmp_path: Path) -> None:
     mcu = Mcu(Machine.parse(AXIS.format("X", "servo")))
     assert not mcu.rdaxst("X").cef

@@ -15,6 +15,7 @@ from tests.conformance.conftest import MILL, TA, axis_of_machine, stop
 DEFAULTS: list[tuple[str, str]] = [
     ("jac", "jog_acceleration"),
     ("jvl", "jog_velocity"),
+    ("jtvl", "jog_target_velocity"),
     ("sdec", "stop_deceleration"),
     ("hac", "jog_acceleration"),
     ("jerkrel", "jerkrel"),
@@ -27,23 +28,22 @@ DEFAULTS: list[tuple[str, str]] = [
 
 
 @pytest.mark.shows(
-    "pcap.rdjac", "pcap.rdjac.default", "pcap.rdjvl", "pcap.rdjvl.default", "pcap.rdjtvl", "pcap.rdjtvl.default",
+    "pcap.rdjac", "pcap.rdjac.default", "pcap.rdjvl", "pcap.rdjvl.default", "pcap.rdjtvl",
     "pcap.rdsdec", "pcap.rdsdec.default", "pcap.rdjerkrel", "pcap.rdmdvel", "pcap.rdmaxvel", "pcap.rdmaxacc",
     "pcap.wrjac", "pcap.wrjtvl", "pcap.rdipw", "pcap.wripw", "pcap.rdmpe", "pcap.wrmpe", "pcap.rdhac", "pcap.wrhac",
     "pcap.wrjvl", "pcap.wrsdec", "pcap.wrjerkrel", "pcap.wrmdvel", "pcap.wrmaxvel", "pcap.wrmaxacc",
     "struct.tsrp.jac", "struct.tsrp.jvl", "struct.tsrp.jtvl", "struct.tsrp.hac",
     "struct.tsrp.ipw", "struct.tsrp.mpe",
 )  # fmt: skip
-@pytest.mark.parametrize(("name", "key"), [*DEFAULTS, ("jtvl", None)])
-def test_default_then_what_was_written(name: str, key: str | None) -> None:
+@pytest.mark.parametrize(("name", "key"), DEFAULTS)
+def test_default_then_what_was_written(name: str, key: str) -> None:
     mcu = Mcu(Machine.load(MILL))
     read: Callable[[str], float] = getattr(mcu, f"rd{name}")
     write: Callable[[str, float], None] = getattr(mcu, f"wr{name}")
-    default = axis_of_machine(key) if key else 0.0
-    assert read("X") == default
+    assert read("X") == axis_of_machine(key)
     write("X", 0.375)
     assert read("X") == 0.375
-    assert read("Y") == (axis_of_machine(key) if key else 0.0), "another axis is not concerned"
+    assert read("Y") == axis_of_machine(key), "another axis is not concerned"
     tsrp = mcu.rdap("X")
     if hasattr(tsrp, name):
         assert getattr(tsrp, name) == 0.375
@@ -70,7 +70,7 @@ def test_jerkrel_is_limited(mcu: Mcu) -> None:
         mcu.wrjerkrel("X", math.nan)
 
 
-@pytest.mark.shows("pcap.wrjac.default", "pcap.wrjvl.default", "pcap.wrjtvl.default", "pcap.ja.params-not-transferred")
+@pytest.mark.shows("pcap.wrjac.default", "pcap.wrjvl.default", "pcap.ja.params-not-transferred")
 def test_a_jog_takes_what_was_written_and_not_a_tsrp(mcu: Mcu) -> None:
     tsrp = mcu.rdap("X")
     tsrp.jvl, tsrp.jac, tsrp.jtvl = 1.0, 10.0, 1.0
@@ -83,6 +83,21 @@ def test_a_jog_takes_what_was_written_and_not_a_tsrp(mcu: Mcu) -> None:
     mcu.jr({"X": -20.0})
     mcu.advance(1500)
     assert np.diff(mcu.trace.dp[:, 0]).min() / TA == pytest.approx(-5.0, rel=1e-9)
+
+
+@pytest.mark.shows("pcap.rdjtvl.default", "pcap.wrjtvl.default")
+def test_jogs_end_with_the_target_velocity_of_the_machine() -> None:
+    text = '[[axis]]\nname = "X"\ndrive = "stepper"\ncounts_per_unit = 1000\nrapid = 100\nacceleration = 1000\n'
+    mcu = Mcu(Machine.parse(f"{text}jog_target_velocity = 2.5\n"))
+    assert mcu.rdjtvl("X") == 2.5
+    mcu.cl("X")
+    mcu.ja({"X": 20.0})
+    mcu.advance(1500)
+    assert mcu.rddp("X") > 20.0 and mcu.trace.dp[-1, 0] - mcu.trace.dp[-2, 0] == pytest.approx(2.5 * TA)
+    mcu.wrjtvl("X", 0.0)
+    mcu.jr({"X": 5.0})
+    mcu.advance(1500)
+    assert np.ptp(mcu.trace.dp[-100:, 0]) == 0.0
 
 
 @pytest.mark.shows("pcap.wrsdec.default")
@@ -227,7 +242,7 @@ def test_positions_and_targets(mcu: Mcu) -> None:
     "struct.tsrp.per-axis", "struct.tsrp.an", "struct.tsrp.not-auto",
     "struct.tsrp.extra-fields", "struct.tsrp.kp", "struct.tsrp.ki", "struct.tsrp.kd", "struct.tsrp.kpl",
     "struct.tsrp.kfca", "struct.tsrp.kfcv", "struct.tsrp.mcp", "struct.tsrp.lsm", "struct.tsrp.axst",
-    "struct.tsrp.digi", "struct.tsrp.digo", "struct.tsrp.sll", "struct.tsrp.slr", "struct.tsrp.epc", "pcap.rdepc",
+    "struct.tsrp.digi", "struct.tsrp.digo", "struct.tsrp.sll", "struct.tsrp.slr",
 )  # fmt: skip
 def test_all_values_of_an_axis_at_once(mcu: Mcu) -> None:
     mcu.uf("Y", kp=2.0, ki=0.5, kd=0.01, kpl=0.3, kfca=0.004, kfcv=0.02)
@@ -254,6 +269,15 @@ def test_all_values_of_an_axis_at_once(mcu: Mcu) -> None:
     dp = before.dp
     mcu.advance(10)
     assert before.dp == dp != mcu.rddp("Y"), "a field changes only by reading"
+
+
+@pytest.mark.shows("pcap.rdepc", "struct.tsrp.epc")
+def test_eeprom_cycles_are_counted(mcu: Mcu) -> None:
+    before = mcu.rdepc("X")
+    for _ in range(3):
+        mcu.program_eeprom()
+    mcu.rs()
+    assert mcu.rdepc("X") == mcu.rdepc("Z") == mcu.rdap("Y").epc == before + 3
 
 
 @pytest.mark.shows("pcap.rdaux", "pcap.wraux")

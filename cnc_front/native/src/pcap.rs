@@ -179,6 +179,10 @@ impl Mcu {
     fn set_irqpc(&mut self, on: bool) {
         self.kernel.card_mut().set_irqpc(on);
     }
+    /// Someone saves system data in the EEPROM.
+    fn program_eeprom(&mut self) {
+        self.kernel.card_mut().epc += 1;
+    }
     fn epc(&self) -> i32 {
         self.kernel.card().epc
     }

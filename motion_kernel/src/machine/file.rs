@@ -183,6 +183,7 @@ fn axis(section: Section<'_, '_>) -> Axis {
         rapid,
         acceleration,
         jog_velocity: section.number("jog_velocity", &format!("{unit}/s"), TINY..=BIG, rapid / 4.0),
+        jog_target_velocity: section.number("jog_target_velocity", &format!("{unit}/s"), -BIG..=BIG, 0.0),
         jog_acceleration: section.number("jog_acceleration", &format!("{unit}/s2"), TINY..=BIG, acceleration),
         stop_deceleration: section.number("stop_deceleration", &format!("{unit}/s2"), TINY..=BIG, acceleration),
         mdvel: section.number("mdvel", &format!("{unit}/s"), 0.0..=BIG, 0.0),

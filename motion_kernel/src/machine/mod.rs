@@ -96,6 +96,8 @@ pub struct Axis {
     /// Jog velocity, acceleration and stop deceleration (jvl, jac, sdec).
     pub jog_velocity: f64,
     pub jog_acceleration: f64,
+    /// Target velocity of jogs (jtvl), of either sign.
+    pub jog_target_velocity: f64,
     pub stop_deceleration: f64,
     /// Look-ahead and checks (4.4.160..163); 0 = not watched.
     pub mdvel: f64,

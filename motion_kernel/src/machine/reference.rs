@@ -68,6 +68,7 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ("axis.rapid", "Speed of the axis under G00.", ""),
     ("axis.acceleration", "What the axis can do; default of the values below.", ""),
     ("axis.jog_velocity", "Jog velocity jvl.", "rapid / 4"),
+    ("axis.jog_target_velocity", "Velocity jtvl with which jogs end (4.4.153).", ""),
     ("axis.jog_acceleration", "Jog acceleration jac.", "acceleration"),
     ("axis.stop_deceleration", "Stop deceleration sdec: `js`, software limits with SMD (4.4.168).", "acceleration"),
     ("axis.mdvel", "Largest velocity step at a corner (4.4.163); 0 = not watched.", ""),

@@ -70,6 +70,11 @@ impl Out {
         self.value("clock_hz", number(c.clock_hz));
         self.names("stop_at", c.stop_at.names());
     }
+    fn limits(&mut self, limits: Option<&SoftwareLimits>) {
+        let Some(SoftwareLimits { left, right, function }) = limits else { return };
+        let (left, right, function) = (number(*left), number(*right), word(&LIMIT_FUNCTIONS, function));
+        self.value("limits", format_args!("{{ left = {left}, right = {right}, function = \"{function}\" }}"));
+    }
     fn zero_offsets(&mut self, offsets: &[f64; ZERO_OFFSET_SETS]) {
         if *offsets != [0.0; ZERO_OFFSET_SETS] {
             let sets = offsets.iter().enumerate().map(|(n, x)| format!("set{n} = {}", number(*x)));
@@ -90,6 +95,7 @@ impl Out {
             ("acceleration", a.acceleration),
             ("jog_velocity", a.jog_velocity),
             ("jog_acceleration", a.jog_acceleration),
+            ("jog_target_velocity", a.jog_target_velocity),
             ("stop_deceleration", a.stop_deceleration),
             ("mdvel", a.mdvel),
             ("maxvel", a.maxvel),
@@ -105,11 +111,7 @@ impl Out {
             self.value(key, number(value));
         }
         self.value("modulo", a.modulo);
-        if let Some(limits) = &a.limits {
-            let function = word(&LIMIT_FUNCTIONS, &limits.function);
-            let (left, right) = (number(limits.left), number(limits.right));
-            self.value("limits", format_args!("{{ left = {left}, right = {right}, function = \"{function}\" }}"));
-        }
+        self.limits(a.limits.as_ref());
         self.zero_offsets(&a.zero_offsets);
         let PidfGains { kp, ki, kd, kpl, kfcv, kfca } = a.pidf;
         self.value(

@@ -29,6 +29,7 @@ fn axis(name: char, kind: AxisKind) -> Axis {
         acceleration: 1000.0,
         jog_velocity: 50.0,
         jog_acceleration: 500.0,
+        jog_target_velocity: 0.0,
         stop_deceleration: 2000.0,
         mdvel: 0.5,
         maxvel: 200.0,
