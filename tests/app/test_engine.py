@@ -181,3 +181,22 @@ def test_alarms_have_code_text_and_language(job: Callable[..., Path], tmp_path: 
     assert (alarm.code, alarm.axis) == ("E107", "X")
     assert "Schleppfehler" in alarm.text
     engine.close()
+
+
+@pytest.mark.parametrize("speed", [0.0, 40.0])
+def test_a_fault_of_the_world_outside_is_an_alarm_that_stopped(tmp_path: Path, speed: float) -> None:
+    faults = ROOT / "examples" / "faults"
+    rules = (faults / "limit_smd.stim").read_text()
+    machine = tmp_path / "faults.toml"
+    machine.write_text(f"stimulus = '''\n{rules}'''\n" + (faults / "machine.toml").read_text())
+    engine = SimEngine(str(machine), language="de", speed=speed)
+    loaded(engine, faults / "contour.nc")
+    engine.start()
+    assert engine.wait(20, is_in(*RESTS))
+    snapshot = engine.snapshot()
+    assert snapshot.state is State.ALARM
+    alarm = snapshot.alarms[0]
+    assert (alarm.code, alarm.axis, alarm.line, alarm.stopped) == ("E103", "X", 10, True)
+    assert "linker Hardware-Endschalter" in alarm.text
+    assert -6.1 < snapshot.axes[0].actual < -5.5, "braked and at rest"
+    engine.close()
