@@ -133,8 +133,7 @@ macro_rules! instructions {
 instructions! {
     0 Statement(line: u32);
     1 Copy(a: Slot, b: Slot);
-    2 Clear(a: Slot);
-    3 Constant(a: Slot, number: u32);
+    2 Constant(a: Slot, number: u32);
     10 AddI(a: Slot, b: Slot, c: Slot);
     11 SubI(a: Slot, b: Slot, c: Slot);
     12 MulI(a: Slot, b: Slot, c: Slot);

@@ -35,8 +35,6 @@ pub enum Instr {
     /// A statement begins on this line.
     Statement(u32),
     Copy(Slot, Slot),
-    /// Writes 0: FALSE, 0, 0.0.
-    Clear(Slot),
     /// Writes a constant of the pool: those that are used once need no global.
     Constant(Slot, u32),
 

@@ -121,7 +121,6 @@ impl Processor {
             Statement(line) => return self.before_statement(line),
             Call(number, base) => return self.call(program, number, self.base + usize::from(base), false),
             Return => return self.leave(),
-            Clear(to) => self.put(to, 0),
             Constant(to, number) => self.put(to, program.constants[number as usize]),
             DivI(to, a, b) => {
                 let divisor = self.divisor(b)?;

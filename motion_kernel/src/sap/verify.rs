@@ -202,8 +202,7 @@ fn slots(instr: Instr) -> [Option<Slot>; 3] {
         | WriteAxisBit(_, _, a, b)
         | ReadBuffer(_, a, b)
         | WriteBuffer(_, a, b) => [Some(a), Some(b), None],
-        Clear(a)
-        | Constant(a, _)
+        Constant(a, _)
         | JumpIfNot(a, _)
         | ReadSystem(_, a)
         | WriteSystem(_, a)
