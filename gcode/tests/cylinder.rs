@@ -186,3 +186,36 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn tangents_are_those_of_the_surface() {
+    let mut machine = mill4c();
+    machine.gcode.dialect.corner_angle = Some(1.0);
+    let tvl = |text: &str| -> Vec<f64> {
+        program_for(text, &machine, &Options::default()).moves.iter().map(|m| m.tvl).collect()
+    };
+    // along the circumference, a quarter of radius 10 turns into the axis, on along the axis
+    let (one, two) = (10f64.to_degrees() / 25.0, 20f64.to_degrees() / 25.0);
+    let smooth = format!("G07.1 C25\nG1 C{one:.12} F600\nG3 C{two:.12} Z10 R10\nG1 Z20\nM30\n");
+    assert_eq!(tvl(&smooth), [10.0, 10.0, 0.0]);
+    // the same arc clockwise meets the line at a right angle
+    let sharp = format!("G07.1 C25\nG1 C{one:.12} F600\nG2 C{two:.12} Z10 R10\nG1 Z20\nM30\n");
+    assert_eq!(tvl(&sharp), [0.0, 0.0, 0.0]);
+}
+
+#[test]
+fn merged_points_on_the_surface_are_degrees_in_both_settings() {
+    let steps: String = (1..=40).map(|i| format!("C{:.3}\n", 0.05 * f64::from(i))).collect();
+    let text = format!("G07.1 C25\nG1 F3000\n{steps}M30\n");
+    for clear in [0, ModeReg::RotatoricUnit.0] {
+        let mut machine = mill4c();
+        machine.gcode.modereg &= !clear;
+        let program = program_for(&text, &machine, &Options::default());
+        let columns = sequence(&program, &machine);
+        let mut points: Vec<f64> =
+            columns.target.iter().chain(&columns.via_target).skip(3).step_by(4).copied().collect();
+        points.sort_by(f64::total_cmp);
+        assert!(program.moves.len() < 20 && points.len() == 40);
+        assert!(points.iter().zip(1..).all(|(p, i)| close(*p, 0.05 * f64::from(i))), "{points:?}");
+    }
+}

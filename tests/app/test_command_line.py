@@ -83,7 +83,7 @@ def test_machine_show_is_the_commented_example_resolved(cli: Cli, tmp_path: Path
     assert cli("machine", "show", ROOT / "examples" / "machines" / "mill3.toml").out == shown.out
 
 
-@pytest.mark.parametrize("name", ["mill3", "mill4a", "mill4c", "xy-stepper"])
+@pytest.mark.parametrize("name", ["mill3", "mill3s", "mill4a", "mill4c", "xy-stepper"])
 def test_example_machines_are_valid(cli: Cli, name: str) -> None:
     assert cli("machine", "check", ROOT / "examples" / "machines" / f"{name}.toml").code == 0
 
