@@ -219,3 +219,20 @@ fn merged_points_on_the_surface_are_degrees_in_both_settings() {
         assert!(points.iter().zip(1..).all(|(p, i)| close(*p, 0.05 * f64::from(i))), "{points:?}");
     }
 }
+
+#[test]
+fn each_rotary_axis_has_its_plane_and_letters() {
+    // centre 10 mm along the linear axis, 5 mm along the surface
+    for (name, rotary, linear, along, across) in
+        [("mill4a", 'A', 'X', 'I', 'J'), ("mill4b", 'B', 'Y', 'J', 'I'), ("mill4c", 'C', 'Z', 'K', 'J')]
+    {
+        let text = format!("G07.1 {rotary}20\nG3 {rotary}0 {linear}0 {along}10 {across}5 F600\nM30\n");
+        let machine = example(name);
+        let program = program_for(&text, &machine, &Options::default());
+        let arc = &program.moves[0];
+        let names: Vec<&str> = program.axes_of(arc).iter().map(|a| machine.axes[a].name.as_str()).collect();
+        assert_eq!(names[..2], [rotary.to_string(), linear.to_string()], "{name}");
+        assert!(close(arc.center[0], 5f64.to_degrees() / 20.0) && close(arc.center[1], 10.0), "{name} {arc:?}");
+        assert_eq!(arc.phi, 360.0);
+    }
+}
