@@ -136,8 +136,11 @@ def run_command_line(arguments: Sequence[str]) -> int:
         print(f"cnc-front: {error}", file=sys.stderr)
         return Exit.BAD_INPUT
     except CompileError as error:
+        from cnc_front.german import in_language
+        from cnc_front.messages import language_from
+
         for diagnostic in error.diagnostics:
-            print(diagnostic, file=sys.stderr)
+            print(in_language(diagnostic, language_from(options.lang)), file=sys.stderr)
         return Exit.BAD_INPUT
     except KeyboardInterrupt:
         print("cnc-front: interrupted", file=sys.stderr)

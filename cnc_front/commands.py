@@ -13,6 +13,7 @@ from typing import Any
 
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError, Exit, UsageError
+from cnc_front.german import in_language
 from cnc_front.jobs import (
     CompiledJob,
     CompileOptions,
@@ -38,7 +39,7 @@ def _compile_options(options: argparse.Namespace) -> CompileOptions:
 def _print_diagnostics(diagnostics: tuple[Diagnostic, ...], options: argparse.Namespace) -> None:
     for diagnostic in diagnostics:
         if not (options.quiet and diagnostic.is_warning):
-            print(diagnostic, file=sys.stderr)
+            print(in_language(diagnostic, language_from(options.lang)), file=sys.stderr)
 
 
 #: Warnings of one id that `run` and `translate` print in full; `check` names every one.
@@ -52,7 +53,7 @@ def _print_warnings(warnings: tuple[Diagnostic, ...], options: argparse.Namespac
     for warning in () if options.quiet else warnings:
         shown[warning.id] += 1
         if shown[warning.id] <= PER_ID:
-            print(warning, file=sys.stderr)
+            print(in_language(warning, language_from(options.lang)), file=sys.stderr)
         elif shown[warning.id] == counts[warning.id]:
             more = text(
                 "more_warnings", language_from(options.lang), which=warning.id, count=counts[warning.id] - PER_ID

@@ -19,6 +19,7 @@ from textual.widgets import Input
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.engine import Engine, Job
 from cnc_front.errors import CompileError, UsageError
+from cnc_front.german import localized
 from tui.dialogs import Question
 from tui.frame import header, key_row, message_row, small_row
 from tui.keys import KEYS, SETTLE_S
@@ -227,7 +228,7 @@ class Terminal(App[None]):
         try:
             job = self.engine.load(path)
         except CompileError as error:
-            self.call_from_thread(self._refused, path, error.diagnostics)
+            self.call_from_thread(self._refused, path, localized(error.diagnostics, self.words.language))
         except (UsageError, OSError) as error:
             self.call_from_thread(self.say, f"{path}: {error}")
         else:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from datetime import datetime
 
 from cnc_front.engine import Snapshot, State
+from cnc_front.german import one_line
 from tui.panels import Logged
 from tui.program import block_name
 from tui.states import FACES, RESUMABLE
@@ -94,7 +95,7 @@ class Messages:
             over = words("deviation_over", block=block, um=s.deviation_max_mm * 1000, limit=limit)
             yield f"! {over} {words('tolerance_of')}", "bad"
         for warning in job.warnings if job else ():
-            yield f"! {warning}", "warn"
+            yield f"! {one_line(warning, words.language)}", "warn"
         if s.state in (State.NO_JOB, State.READY):
             yield words("start_line"), "dim"
 

@@ -283,8 +283,9 @@ impl<'s> Flows<'s> {
             return Err(fault("ambiguous"));
         }
         let open = &self.loops[base..];
-        let same = open.iter().zip(&label.loops).take_while(|(l, offset)| l.at.offset == **offset).count();
-        if same < label.loops.len() {
+        let loops = label.loops();
+        let same = open.iter().zip(&loops).take_while(|(l, offset)| l.at.offset == **offset).count();
+        if same < loops.len() {
             return Err(Fault::new(Id::GC608, span));
         }
         self.loops.truncate(base + same);

@@ -1,6 +1,7 @@
 //! What can be jumped to or called in one file: subprograms, block numbers, the loops around them.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use crate::block::OWord;
 use crate::source::{Lines, Mark};
@@ -11,8 +12,28 @@ use crate::statements::{block_number, head_length, loop_word, o_word};
 pub(crate) struct Label {
     pub mark: Mark,
     pub ambiguous: bool,
+    /// The innermost loop around it.
+    loops: Option<Rc<Around>>,
+}
+
+/// A loop and the one around it, shared by all labels inside.
+#[derive(Debug)]
+struct Around {
+    offset: usize,
+    outer: Option<Rc<Around>>,
+}
+
+/// Deeper loops cannot be opened: each needs a number of its own.
+const MAX_OPEN: usize = 256;
+
+impl Label {
     /// Offsets of the loops around it, outermost first.
-    pub loops: Vec<usize>,
+    pub fn loops(&self) -> Vec<usize> {
+        let chain = std::iter::successors(self.loops.as_deref(), |around| around.outer.as_deref());
+        let mut offsets: Vec<usize> = chain.map(|around| around.offset).collect();
+        offsets.reverse();
+        offsets
+    }
 }
 
 /// What can be jumped to or called in one file; built when first needed.
@@ -72,7 +93,7 @@ fn definition(text: &[u8]) -> Option<String> {
 pub(crate) fn build_index(source: &[u8]) -> Index {
     let mut index = Index::default();
     let mut lines = Lines::new(source);
-    let mut open: Vec<(usize, u8)> = Vec::new();
+    let mut open: Vec<(Rc<Around>, u8)> = Vec::new();
     loop {
         let at = lines.mark();
         let Some((line, text)) = lines.next_line() else { break };
@@ -84,12 +105,15 @@ pub(crate) fn build_index(source: &[u8]) -> Index {
         }
         if let Some(n) = block_number(text) {
             let region = index.regions.len();
-            let loops = open.iter().map(|l| l.0).collect();
+            let loops = open.last().map(|l| l.0.clone());
             let label = Label { mark: at, ambiguous: false, loops };
             index.labels.entry((region, n)).and_modify(|l| l.ambiguous = true).or_insert(label);
         }
         match loop_word(text) {
-            Some((true, level)) => open.push((at.offset, level)),
+            Some((true, level)) if open.len() < MAX_OPEN => {
+                let outer = open.last().map(|l| l.0.clone());
+                open.push((Rc::new(Around { offset: at.offset, outer }), level));
+            }
             Some((false, level)) if open.last().is_some_and(|l| l.1 == level) => {
                 open.pop();
             }

@@ -1,0 +1,76 @@
+"""Every diagnostic has a German text that says the same with the same values."""
+
+from __future__ import annotations
+
+import csv
+import re
+from pathlib import Path
+
+import pytest
+
+from cnc_front._native import gcode, motion_kernel
+from cnc_front.diagnostics import Diagnostic
+from cnc_front.german import PLACEHOLDER, TABLE, german, one_line
+from tests.app.conftest import ROOT, Cli
+
+with TABLE.open(encoding="utf-8", newline="") as file:
+    ROWS = list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
+
+
+def filled(template: str) -> str:
+    """The template with a different value for each placeholder."""
+    values = iter(range(11, 99))
+    return PLACEHOLDER.sub(lambda _: f"q{next(values)}", template)
+
+
+def test_every_id_of_the_catalogue_is_translated() -> None:
+    known = {row["id"] for row in ROWS}
+    catalogue = gcode.catalogue()
+    assert [id for id, _, _ in catalogue if id not in known] == []
+    for id, message, hint in catalogue:
+        found = german(Diagnostic("a.nc", 1, 1, 1, id, filled(message), hint))
+        assert found.message != filled(message), id
+        assert re.findall(r"q\d\d", found.message) == re.findall(r"q\d\d", filled(message)), id
+        assert bool(found.hint) == bool(hint) and (found.hint != hint or not hint), id
+
+
+def test_ids_of_the_machine_file_are_translated() -> None:
+    source = "".join(p.read_text("utf-8") for p in (ROOT / "motion_kernel" / "src" / "machine").glob("*.rs"))
+    ids = set(re.findall(r'"(MC1\d\d)"', source))
+    assert ids and ids <= {row["id"] for row in ROWS}
+    bad = b'name = 5\nfoo = 1\n[[axis]]\nname = "X"\nrapid = "x"\nmaxvel = -1\nkind = "round"\n[[axis]]\nname = "X"\n'
+    with pytest.raises(motion_kernel.MachineError) as caught:
+        motion_kernel.Machine.parse(bad, "m.toml")
+    found = [Diagnostic(*row) for row in caught.value.args[0]]
+    assert len({d.id for d in found}) >= 4
+    for d in found:
+        assert german(d).message != d.message, d
+        assert german(d).hint != d.hint, d
+
+
+def test_no_row_is_for_nothing() -> None:
+    ids = {id for id, _, _ in gcode.catalogue()}
+    assert all(row["english"] or row["id"] in ids for row in ROWS)
+    for row in ROWS:
+        english = row["english"]
+        if english:
+            assert sorted(PLACEHOLDER.findall(english)) == sorted(PLACEHOLDER.findall(row["german"])), row
+
+
+def test_values_with_remarks_and_unknown_messages() -> None:
+    far = "axis X: machine position 700 outside -600..600 (arc extreme)"
+    assert german(Diagnostic("a", 1, 1, 1, "GC413", far)).message.endswith("-600..600 (äußerster Punkt des Bogens)")
+    assert german(Diagnostic("a", 1, 1, 1, "XX1", "what is this", "a hint")).message == "what is this"
+    assert one_line("12:3: GW908: duplicate N10", "de") == "12:3: GW908: N10 doppelt"
+    assert one_line("12:3: GW908: duplicate N10", "en") == "12:3: GW908: duplicate N10"
+    assert one_line("no finding", "de") == "no finding"
+
+
+def test_the_command_line_speaks_german(cli: Cli, tmp_path: Path) -> None:
+    path = tmp_path / "bad.nc"
+    path.write_text("G1 X700\nM30\n", encoding="utf-8")
+    ran = cli("check", "--lang", "de", path)
+    assert "GC501: kein Vorschub programmiert" in ran.err and "Hinweis: F ergänzen" in ran.err
+    english = cli("check", path).err
+    assert "GC501: no feed programmed" in english
+    assert re.findall(r":\d+:\d+: G\w\d+", ran.err) == re.findall(r":\d+:\d+: G\w\d+", english)
