@@ -7,6 +7,9 @@ use crate::modal::Codes;
 use crate::part::Start;
 use crate::sink::Merged;
 
+/// Tool changes that are remembered.
+const MAX_TOOLS: usize = 10_000;
+
 /// Facts per source line, kept as changes: cheap for programs of a million blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Facts {
@@ -56,7 +59,17 @@ impl Facts {
             texts.push(codes.to_string());
             texts.len() as u32 - 1
         });
-        self.modal.push((line, number));
+        note(&mut self.modal, line, number);
+    }
+    /// Notes the feed of a line, mm/min or degree/min.
+    pub fn feed_changed(&mut self, line: u32, feed: f64) {
+        note(&mut self.feeds, line, feed);
+    }
+    /// Notes a tool change; a loop of them is not remembered for ever.
+    pub fn tool_changed(&mut self, tool: u32) {
+        if self.tools.len() < MAX_TOOLS {
+            self.tools.push(tool);
+        }
     }
     /// Modal codes as an operator reads them, at a line.
     pub fn modal_at(&self, line: u32) -> &str {
@@ -66,5 +79,29 @@ impl Facts {
     pub fn at<T>(changes: &[(u32, T)], line: u32) -> Option<&T> {
         let after = changes.partition_point(|change| change.0 <= line);
         changes[..after].last().map(|change| &change.1)
+    }
+}
+
+/// Keeps a list of changes sorted, one entry a line: the newest. Loops and subprograms come back to lines.
+fn note<T>(changes: &mut Vec<(u32, T)>, line: u32, value: T) {
+    if changes.last().is_none_or(|last| last.0 < line) {
+        return changes.push((line, value));
+    }
+    match changes.binary_search_by_key(&line, |change| change.0) {
+        Ok(at) => changes[at].1 = value,
+        Err(at) => changes.insert(at, (line, value)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn changes_are_sorted_by_line_and_the_newest_counts() {
+        let mut changes = Vec::new();
+        for (line, value) in [(3, 'a'), (7, 'b'), (5, 'c'), (3, 'd'), (9, 'e')] {
+            super::note(&mut changes, line, value);
+        }
+        assert_eq!(changes, [(3, 'd'), (5, 'c'), (7, 'b'), (9, 'e')]);
+        assert_eq!(super::Facts::at(&changes, 6), Some(&'c'));
     }
 }

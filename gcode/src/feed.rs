@@ -59,7 +59,7 @@ impl Translator<'_> {
         if modal.feed != Some(feed) {
             modal.feed = Some(feed);
             self.sink.flush();
-            self.facts.feeds.push((self.line, feed.mm));
+            self.facts.feed_changed(self.line, feed.mm);
         }
         Ok(())
     }

@@ -118,7 +118,7 @@ impl Translator<'_> {
         }
         let tool = self.state.modal.tool;
         self.state.modal.in_spindle = tool;
-        self.facts.tools.push(tool);
+        self.facts.tool_changed(tool);
         if tool != 0 && self.tool(tool).is_none() {
             self.faults.push(Fault::with(Id::GW935, span, &[&tool]));
         }
