@@ -175,12 +175,27 @@ impl Offset {
             (Some(arc), None) => line_circle(self.beside_start(b), b.tangent(b.start), arc.0, self.radius(a)),
             (Some(one), Some(two)) => circle_circle(one.0, self.radius(a), two.0, self.radius(b)),
         };
-        let distance = |p: &Vector| length(minus(*p, corner));
-        found.into_iter().min_by(|p, q| distance(p).total_cmp(&distance(q)))
+        // of two crossings, one that lies on both elements; else the nearest, which shows that they are too short
+        let rank = |p: &Vector| (!(on(a, *p) && on(b, *p)), length(minus(*p, corner)));
+        found.into_iter().min_by(|p, q| rank(p).0.cmp(&rank(q).0).then(rank(p).1.total_cmp(&rank(q).1)))
     }
     fn radius(self, element: &Element) -> f64 {
         let (centre, sweep) = element.arc.expect("an arc");
         length(minus(element.start, centre)) - self.0 * sweep.signum()
+    }
+}
+
+/// Does a point of the offset curve lie beside the element, not beyond its ends?
+fn on(element: &Element, p: Vector) -> bool {
+    match element.arc {
+        Some((centre, sweep)) => {
+            let turned = (angle(centre, p) - angle(centre, element.start)) * sweep.signum();
+            turned.rem_euclid(360.0) <= sweep.abs()
+        }
+        None => {
+            let (d, v) = (minus(element.end, element.start), minus(p, element.start));
+            (0.0..=dot(d, d)).contains(&dot(v, d))
+        }
     }
 }
 
