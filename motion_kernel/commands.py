@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import functools
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeVar, cast
@@ -45,12 +46,14 @@ COMMANDS: dict[str, Command] = {}
 def command(
     chapter: str, unit: str = "", *, manual: str = "", row: str = "", returns_status: bool = False
 ) -> Callable[[F], F]:
-    """Marks a method as the PCAP command of that chapter. `manual` is its spelling there, if not lower case. With
-    `returns_status` a failure is the return code, not an exception."""
+    """Marks a method as the PCAP command of that chapter; `help` shows chapter and unit. `manual` is its spelling there,
+    if not lower case. With `returns_status` a failure is the return code, not an exception."""
 
     def mark(function: F) -> F:
         method = _as_status(function) if returns_status else function
         name = function.__name__
+        where = f"{f'Unit: {unit}. ' if unit else ''}Manual: {manual or name}, chapter {chapter}."
+        method.__doc__ = f"{inspect.cleandoc(function.__doc__ or '')}\n\n{where}"
         if name in COMMANDS:
             raise TypeError(f"the command {name} stands twice")
         COMMANDS[name] = Command(name, manual or name, chapter, unit, row or f"pcap.{name.removeprefix('mcug3_')}")

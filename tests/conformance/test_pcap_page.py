@@ -38,7 +38,8 @@ def test_every_command_of_the_manual_is_a_method_with_its_chapter() -> None:
 def test_every_command_is_lower_case_and_explained(name: str) -> None:
     method = getattr(Mcu, name)
     assert name == name.lower() == COMMANDS[name].manual.lower()
-    assert method.__doc__ and method.__doc__.rstrip().endswith("."), "a docstring in sentences"
+    text, _, table = (method.__doc__ or "").rpartition("\n\n")
+    assert text.endswith(".") and table.endswith(f"chapter {COMMANDS[name].chapter}."), "help says what, and where"
     assert "return" in method.__annotations__
 
 
