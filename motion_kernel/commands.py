@@ -46,7 +46,7 @@ COMMANDS: dict[str, Command] = {}
 def command(
     chapter: str, unit: str = "", *, manual: str = "", row: str = "", returns_status: bool = False
 ) -> Callable[[F], F]:
-    """Marks a method as the PCAP command of that chapter; `help` shows chapter and unit. `manual` is its spelling there,
+    """Marks a method as the PCAP command of that chapter; `help` shows both. `manual` is its spelling there,
     if not lower case. With `returns_status` a failure is the return code, not an exception."""
 
     def mark(function: F) -> F:
