@@ -99,7 +99,7 @@ def build_parser() -> Parser:
     run.add_argument("--report", metavar="DIR", help="write a report")
     run.add_argument("--tolerance", metavar="MM", type=_millimetres, help="limit of the contour deviation")
     run.add_argument("--max-time", metavar="S", type=_seconds, default=86400.0, help="bound on machine and wall time")
-    run.add_argument("--stimulus", metavar="FILE", help="inputs and faults of the world outside (docs/stimulus.md)")
+    run.add_argument("--stimulus", metavar="FILE", help="inputs and faults (default: .stim beside the job)")
     run.add_argument("--task", metavar="N=JOB", action="append", default=[], help="a rw_SymPas job for another task")
     run.add_argument("--json", action="store_true", help="the result as one JSON object")
 

@@ -106,8 +106,7 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     loaded = _Loaded()
     try:
         job = loaded.load(options)
-        if options.stimulus:
-            run_options = replace(run_options, stimulus=load_stimulus(options.stimulus, job.machine))
+        run_options = replace(run_options, stimulus=load_stimulus(options.stimulus, options.job, job.machine))
     except CompileError as error:
         _print_diagnostics(error.diagnostics, options)
         if options.json:

@@ -165,8 +165,14 @@ def load_machine(path: str | None, job: str | None = None) -> MachineFile:
     return MachineFile(path, data.decode("utf-8"), hashlib.sha256(data).hexdigest(), machine)
 
 
-def load_stimulus(path: str, machine: MachineFile) -> StimulusFile:
-    """The stimulus at `path` for the axes of a machine; raises CompileError (ST100 ...)."""
+def load_stimulus(path: str | None, job: str, machine: MachineFile) -> StimulusFile | None:
+    """The stimulus file given, else the one beside the job (`part.stim` for `part.nc`), else none, for the axes of a
+    machine; raises CompileError (ST100 ...)."""
+    if path is None:
+        beside = Path(job).with_suffix(".stim")
+        if not beside.is_file():
+            return None
+        path = str(beside)
     data = read_bytes(path, MACHINE_BYTES, "ST100")
     try:
         stimulus = native_kernel.Stimulus.parse(data, shown(path), machine.machine)

@@ -61,6 +61,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "recording": ("recording", "Aufzeichnung"),
     "report": ("report", "Bericht"),
     "machine": ("machine", "Maschine"),
+    "stimulus": ("stimulus", "Stimulus"),
     "builtin": ("built-in", "eingebaut"),
     "check_ok": ("{path}: no errors, {warnings} warnings", "{path}: keine Fehler, {warnings} Warnungen"),
     "check_bad": ("{path}: {errors} errors, {warnings} warnings", "{path}: {errors} Fehler, {warnings} Warnungen"),

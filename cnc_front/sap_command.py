@@ -69,7 +69,7 @@ def run_sap(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int
     try:
         machine = load_machine(options.machine, options.job)
         tasks = [_load(number, path, machine, options) for number, path in _asked(options)]
-        stimulus = load_stimulus(options.stimulus, machine) if options.stimulus else None
+        stimulus = load_stimulus(options.stimulus, options.job, machine)
     except CompileError as error:
         _say(error.diagnostics, options)
         if options.json:

@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import toolpaths as native_paths
 from cnc_front.engine import Job, PathPlot
 from cnc_front.execution import End, Execution
-from cnc_front.jobs import CompiledJob, CompileOptions, compile_job, load_machine, read_job
+from cnc_front.jobs import CompiledJob, CompileOptions, compile_job, load_machine, load_stimulus, read_job
 
 #: Chords of the plotted path deviate by at most this, mm; and it has at most so many points.
 CHORD_MM = 0.01
@@ -30,6 +31,7 @@ class LoadedJob:
     """A compiled job with all that the screen needs to know about it."""
 
     job: CompiledJob
+    stimulus: native_kernel.Stimulus | None
     view: Job
     path: native_paths.Path
     #: path length at each vertex of the plot
@@ -79,8 +81,10 @@ def load_job(path: str, machine: str | None, options: CompileOptions) -> LoadedJ
         tolerance_mm=compiled.machine.machine.tolerance_mm,
         warnings=tuple(f"{d.line}:{d.column}: {d.id}: {d.message}" for d in compiled.warnings),
     )
+    stimulus = load_stimulus(None, path, compiled.machine)
     return LoadedJob(
         compiled,
+        stimulus.stimulus if stimulus else None,
         view,
         programmed,
         line["s_mm"],

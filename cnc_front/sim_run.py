@@ -20,7 +20,7 @@ class SimRun:
     def __init__(self, loaded: LoadedJob, override: float) -> None:
         machine = loaded.job.machine.machine
         self.loaded = loaded
-        self.execution = Execution(loaded.job, ((0.0, override),), acknowledges=False)
+        self.execution = Execution(loaded.job, ((0.0, override),), acknowledges=False, stimulus=loaded.stimulus)
         self.tracker = native_paths.Tracker(
             loaded.path,
             sample_time_s=self.execution.sample_time_s,

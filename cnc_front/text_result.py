@@ -28,6 +28,7 @@ def result_text(
     machine = run["machine"]
     rows += [
         _row(say("machine"), f"{machine['name']} ({machine['path'] or say('builtin')})"),
+        *([_row(say("stimulus"), run["stimulus"]["path"])] if run["stimulus"] else []),
         _row(say("time"), f"{run['machine_time_s']:.3f} s ({run['wall_time_s']:.2f} s)"),
         _row(say("path"), f"{run['path_length_mm']:.3f} mm"),
         _row(say("deviation"), f"{_um(actual['max_mm'])} {line}, {say('limit')} {verdict.tolerance_mm * 1e3:g} um"),

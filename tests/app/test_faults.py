@@ -132,6 +132,21 @@ def test_errors_have_their_place(cli: Cli, tmp_path: Path, text: str, place: str
     assert ran.object["diagnostics"][0]["id"] == place.split()[1].rstrip(":")
 
 
+def test_a_stimulus_beside_the_job_is_taken(cli: Cli, tmp_path: Path) -> None:
+    job = tmp_path / "part.nc"
+    job.write_bytes(CONTOUR.read_bytes())
+    (tmp_path / "machine.toml").write_bytes((FAULTS / "machine.toml").read_bytes())
+    assert cli("run", job, "--json").code == 0
+    beside = tmp_path / "part.stim"
+    beside.write_text("at 1 s: X blocked\n")
+    ran = cli("run", job)
+    assert ran.code == 3 and str(beside) in ran.out and "mpe X" in ran.out
+    given = cli("run", job, "--stimulus", FAULTS / "limit_smd.stim", "--json").object
+    assert given["error"]["name"] == "lslh", "the option counts instead"
+    beside.write_text("at 1: X blocked\n")
+    assert "part.stim:1:5: ST102" in cli("run", job).err
+
+
 def test_no_file_and_no_text(cli: Cli, tmp_path: Path) -> None:
     missing = cli("run", CONTOUR, "--stimulus", tmp_path / "none.stim")
     assert missing.code == 2 and "ST100" in missing.err
