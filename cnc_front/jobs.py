@@ -188,7 +188,7 @@ def diagnose(
     if check_only and source.language != "din66025":
         return None, compile_autocode(source, machine, options)[1], {}
     if source.language != "din66025":
-        raise CompileError([_not_yet(source)])
+        raise CompileError([_no_path(source)])
     program, rows, facts = native_gcode.compile(
         source.data,
         shown(source.path),
@@ -230,7 +230,7 @@ def compile_autocode(
     return program, tuple(Diagnostic(*row) for row in rows)
 
 
-def _not_yet(source: JobSource) -> Diagnostic:
-    message = f"{source.language} jobs cannot be run by this version"
-    hint = "rw_SymPas comes with a later version; DIN 66025 jobs run now"
+def _no_path(source: JobSource) -> Diagnostic:
+    message = f"{source.language} jobs have no programmed path to show or to compare with"
+    hint = "cnc-front run, check and translate take them"
     return Diagnostic(shown(source.path), 1, 1, 1, "CF201", message, hint)

@@ -135,8 +135,6 @@ catalogue! {
         "" "";
     SP316 "SP316" "bit number {n} outside 1..32" "Bitnummer {n} außerhalb 1..32"
         "bits count from 1" "Bits zählen ab 1";
-    SP317 "SP317" "'{name}' stands for itself inside its block only with '()'" "'{name}' steht in seinem Block nur mit '()' für einen Aufruf"
-        "write the parentheses to call it" "für den Aufruf Klammern schreiben";
 
     SP401 "SP401" "{type} cannot be assigned to {other}" "{type} kann nicht an {other} zugewiesen werden"
         "convert it, as in INTEGER(x)" "umwandeln, z.B. INTEGER(x)";

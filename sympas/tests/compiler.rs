@@ -239,3 +239,47 @@ fn a_program_may_have_any_number_of_constants() {
     let outcome = support::controller::run(&program, 10_000);
     assert_eq!(outcome.output, "200000000.0 19999.25\n");
 }
+
+/// Ids of a text as (id, line); of many texts only the last findings matter.
+fn found(source: &str) -> Vec<String> {
+    support::ids(&support::compile(source), false)
+}
+
+#[test]
+fn limits_are_said() {
+    assert_eq!(found("begin\n\u{1}\u{2}\nend."), ["SP101@1"]);
+    let many = found(&format!("begin\n{}end.", "  5;\n".repeat(200)));
+    assert_eq!((many.len(), many[100].as_str()), (101, "SP114@102"));
+    let locals: Vec<String> = (0..1100).map(|n| format!("v{n}")).collect();
+    let routine = format!("procedure P;\nvar {} : integer;\nbegin\nend;\nbegin end.", locals.join(", "));
+    assert_eq!(found(&routine), ["SP501@4"]);
+    let globals: Vec<String> = (0..9000).map(|n| format!("v{n}")).collect();
+    assert_eq!(found(&format!("var {} : integer;\nbegin\nend.", globals.join(", "))), ["SP501@3"]);
+    let axes: Vec<String> = (0..19).map(|n| format!("V{n}")).collect();
+    let list = axes.join(", ");
+    assert_eq!(found(&format!("var {list} : axis;\nbegin\n  ol({list});\nend.")), ["SP501@3"]);
+    let nested = format!("begin CI0 := {}CI1{}; end.", "abs(".repeat(140), ")".repeat(140));
+    assert_eq!(found(&nested), ["SP401@1"], "deep, but not too deep");
+}
+
+/// Every message has a scene in these tests.
+#[test]
+fn every_id_of_the_catalogue_is_provoked() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests");
+    let mut files: Vec<std::path::PathBuf> = Vec::new();
+    for part in ["", "programs", "programs/bad"] {
+        let list = std::fs::read_dir(format!("{folder}/{part}")).expect("a folder");
+        files.extend(list.map(|e| e.expect("a file").path()).filter(|p| p.is_file()));
+    }
+    let mut words = std::collections::HashSet::new();
+    for file in files {
+        let text = std::fs::read_to_string(&file).expect("a text");
+        let marked = |line: &&str| line.contains("// error") || line.contains("// warning") || line.contains('"');
+        for line in text.lines().filter(marked) {
+            words.extend(line.split(|c: char| !c.is_ascii_alphanumeric()).map(str::to_owned));
+        }
+    }
+    let missing: Vec<&str> =
+        sympas::catalogue::CATALOGUE.iter().map(|row| row.1).filter(|id| !words.contains(*id)).collect();
+    assert_eq!(missing, Vec::<&str>::new());
+}
