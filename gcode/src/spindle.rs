@@ -145,7 +145,7 @@ impl Translator<'_> {
             self.drive(&piece.program);
             self.line_to(block, &piece, false)?;
         }
-        self.facts.motion_blocks -= count - 1;
+        self.facts.motion_blocks = self.facts.motion_blocks.saturating_sub(count - 1);
         Ok(())
     }
     /// Ends of the pieces as parts of the way, the last one 1.

@@ -149,6 +149,14 @@ fn exact_stops_wait_for_the_window() {
 }
 
 #[test]
+fn a_window_that_is_never_reached_is_refused() {
+    let text =
+        format!("{}\n[gcode.dialect]\nexact_in_position = true\n", BUILTIN.replacen("ipw = 0.01", "ipw = 0.0", 1));
+    let found = Machine::parse(text.as_bytes()).unwrap_err();
+    assert_eq!(found.iter().map(|d| d.id).collect::<Vec<_>>(), ["MC110"]);
+}
+
+#[test]
 fn rotary_axes_the_short_way() {
     let mut machine = example("mill4a");
     machine.axes[3].modulo = true;

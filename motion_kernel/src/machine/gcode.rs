@@ -72,6 +72,12 @@ pub(super) fn gcode_defaults(section: Section<'_, '_>, axes: &[Axis]) -> GcodeDe
         speed_cd: section.integer("speed_cd", 0..=999, default.speed_cd),
         auxiliary_ci: common_integer(&section, "auxiliary_ci").unwrap_or(default.auxiliary_ci),
     };
+    if gcode.dialect.exact_in_position == Some(true)
+        && let Some(axis) = axes.iter().find(|a| a.letter.is_some() && a.ipw == 0.0)
+    {
+        let message = format!("exact_in_position would wait for ever: ipw of axis {} is 0", axis.name);
+        section.finding("dialect", "MC110", &message);
+    }
     section.done();
     gcode
 }
