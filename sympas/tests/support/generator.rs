@@ -86,7 +86,7 @@ impl Generator {
             self.known.push(Known { name, of, assignable: true });
         }
         for _ in 0..self.random(4) {
-            let routine = self.routine();
+            let routine = if self.random(4) == 0 { self.recursive() } else { self.routine() };
             declarations += &routine;
         }
         let body = self.block(8);
@@ -153,6 +153,32 @@ impl Generator {
         };
         let forward = if self.random(4) == 0 { format!("{head} forward;\n") } else { String::new() };
         format!("{forward}{head}\n{locals}{counters}begin\n{starts}{body}end;\n")
+    }
+    /// A function that calls itself a few times; its local keeps its value meanwhile.
+    fn recursive(&mut self) -> String {
+        let (name, parameter, local, of) = (self.name("F"), self.name("a"), self.name("v"), self.kind());
+        let kind = of.name();
+        let outer = self.known.clone();
+        self.known.push(Known { name: local.clone(), of, assignable: true });
+        let (first, after) = (self.expression(of, 1), self.block(2));
+        let counters = self.take_counters();
+        self.known = outer;
+        let less = if self.random(2) == 0 { format!("{parameter} - 1") } else { format!("{parameter} / 2") };
+        let join = match of {
+            Type::Boolean => "xor",
+            _ => "+",
+        };
+        let body = format!(
+            "  {local} := {first};\n  if {parameter} > 0 then {name} := {name}({less}) {join} {local};\n{after}\
+             \x20 {name} := {name} {join} {local};\n"
+        );
+        let wrapper = self.name("F");
+        self.routines.push(Routine { name: wrapper.clone(), parameters: vec![], result: Some(of) });
+        let depth = 1 + self.random(6);
+        format!(
+            "function {name}({parameter} : integer) : {kind};\nvar {local} : {kind};\n{counters}begin\n{body}end;\n\
+             function {wrapper} : {kind};\nbegin\n  {wrapper} := {name}({depth});\nend;\n"
+        )
     }
     fn block(&mut self, statements: u32) -> String {
         let outer = std::mem::take(&mut self.text);
@@ -298,8 +324,17 @@ impl Generator {
         self.known.push(Known { name: counter.clone(), of: Type::Integer, assignable: false });
         let body = self.block(2);
         self.known.retain(|k| k.name != counter);
-        let direction = if self.random(3) == 0 { (last, "downto", first) } else { (first, "to", last) };
-        let (a, word, b) = direction;
+        let (mut a, mut b) = (first.to_string(), last.to_string());
+        if self.random(3) == 0 {
+            a = format!("({} mod 3)", self.expression(Type::Integer, 1));
+        }
+        if self.random(3) == 0 {
+            b = format!("({} mod 4 + 1)", self.expression(Type::Integer, 1));
+        }
+        let word = if self.random(3) == 0 { "downto" } else { "to" };
+        if word == "downto" {
+            std::mem::swap(&mut a, &mut b);
+        }
         self.line(&format!("for {counter} := {a} {word} {b} do begin\n{body}  end;"));
     }
 
