@@ -141,7 +141,9 @@ pub struct Mcu {
     /// Status bits that end a job.
     pub(crate) stop_at: Axst,
     pub(crate) axis_inputs: Vec<crate::limits::AxisInputs>,
-    pub(crate) tasks: [Task; TASKS],
+    pub(crate) tasks: [Box<Task>; TASKS],
+    /// Stands in the place of a task that runs: a task that is not loaded.
+    pub(crate) stand_in: Option<Box<Task>>,
     /// Contour group of the program, and the axis whose entry the trace names.
     pub(crate) group: AxisSet,
     pub(crate) leader: usize,
@@ -199,7 +201,8 @@ impl Mcu {
             analysis: Analysis::for_axes(machine.axes.len()),
             stop_at: Axst(0),
             axis_inputs: crate::limits::AxisInputs::of(&machine),
-            tasks: std::array::from_fn(|_| Task::default()),
+            tasks: std::array::from_fn(|_| Box::default()),
+            stand_in: Some(Box::default()),
             group: AxisSet::first(machine.axes.len()),
             leader: 0,
             commands: 0,
@@ -249,7 +252,7 @@ impl Mcu {
         fresh.card.axes.resize_with(fresh.axes.len(), Default::default);
         if fresh.axes.len() == self.axes.len() {
             std::mem::swap(&mut fresh.tasks, &mut self.tasks);
-            fresh.tasks.iter_mut().for_each(Task::stop);
+            fresh.tasks.iter_mut().for_each(|t| t.stop());
             (fresh.group, fresh.leader) = (self.group, self.leader);
         }
         fresh.check_configuration();
@@ -337,7 +340,7 @@ impl Mcu {
     fn reason_to_stop(&mut self) -> Option<Stop> {
         if self.told.task_error {
             self.told.task_error = false;
-            let task = self.tasks.iter().position(Task::has_failed).unwrap_or(0);
+            let task = self.tasks.iter().position(|t| t.has_failed()).unwrap_or(0);
             return Some(Stop::TaskError { task });
         }
         if let Some(axis) = self.told.fault.take() {
@@ -366,7 +369,7 @@ impl Mcu {
             Doing::Wait(Wait::Ci99 | Wait::Ci99Bit) => a.function.map(|f| f.command),
             _ => (a.spooler.state == SpoolState::Halted).then_some(1000),
         };
-        let resting = || self.tasks.iter().any(Task::rests).then_some(1000);
+        let resting = || self.tasks.iter().any(|t| t.rests()).then_some(1000);
         self.axes.iter().find_map(waits).or_else(resting)
     }
 

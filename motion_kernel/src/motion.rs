@@ -186,7 +186,7 @@ impl Mcu {
                 path::circle(&ends, center, self.sweep(command, &ends, center), components)?
             }
         };
-        for (component, a) in components.iter_mut().zip(list.iter()).filter(|(c, _)| rounds && c.circle) {
+        for (component, a) in components.iter_mut().zip(list.iter()).filter(|(c, _)| rounds && c.is_circle()) {
             component.target = self.axes[a].rounded(component.target);
         }
         Ok(geometry)

@@ -9,11 +9,21 @@ use crate::axes::{AxisList, AxisSet};
 /// Below this length (mm) a path or a radius counts as nothing (ErrorReg bits 15 and 16).
 pub const NOTHING: f64 = 1e-9;
 
+/// What a course belongs to. As wide as the numbers beside it: entries of spoolers are copied all the time, and bytes of
+/// padding in them cost more than these.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u64)]
+pub enum Form {
+    #[default]
+    Line,
+    Circle,
+}
+
 /// The course of one axis along a move: `base + p * x + q * y`, where (x, y) is (s, 0) on lines and
 /// (cos, sin) of the travelled angle for the two circle axes. Axis units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Component {
-    pub circle: bool,
+    pub form: Form,
     pub base: f64,
     pub p: f64,
     pub q: f64,
@@ -31,16 +41,20 @@ pub struct Point {
 
 impl Component {
     fn line(start: f64, target: f64, length: f64) -> Self {
-        Component { circle: false, base: start, p: (target - start) / length, q: 0.0, target }
+        Component { form: Form::Line, base: start, p: (target - start) / length, q: 0.0, target }
+    }
+    #[inline]
+    pub const fn is_circle(&self) -> bool {
+        matches!(self.form, Form::Circle)
     }
     #[inline]
     pub fn position(&self, at: &Point) -> f64 {
-        if self.circle { self.base + self.p * at.cos + self.q * at.sin } else { self.base + self.p * at.s }
+        if self.is_circle() { self.base + self.p * at.cos + self.q * at.sin } else { self.base + self.p * at.s }
     }
     /// Change per path length; `curvature` is radians per path length.
     #[inline]
     pub fn slope(&self, at: &Point, curvature: f64) -> f64 {
-        if self.circle { curvature * (self.q * at.cos - self.p * at.sin) } else { self.p }
+        if self.is_circle() { curvature * (self.q * at.cos - self.p * at.sin) } else { self.p }
     }
 }
 
@@ -137,7 +151,8 @@ pub fn circle(ends: &Ends, center: [f64; 2], phi: f64, components: &mut Vec<Comp
         return Err(NoPath::Zero);
     }
     let (sin, cos) = angle.sin_cos();
-    let plane = |base: f64, p: f64, q: f64| Component { circle: true, base, p, q, target: base + p * cos + q * sin };
+    let plane =
+        |base: f64, p: f64, q: f64| Component { form: Form::Circle, base, p, q, target: base + p * cos + q * sin };
     components.clear();
     components.push(plane(center[0], rx / sx, -ry / sx));
     components.push(plane(center[1], ry / sy, rx / sy));
@@ -177,7 +192,7 @@ pub fn circle_3d(
     components.extend((0..3).map(|i| {
         let (p, q) = (r[i] / ends.scale[i], turned[i] / ends.scale[i]);
         let base = ends.start[i] - p;
-        Component { circle: true, base, p, q, target: base + p * cos + q * sin }
+        Component { form: Form::Circle, base, p, q, target: base + p * cos + q * sin }
     }));
     Ok(Geometry { length, curvature: angle / length, radius })
 }

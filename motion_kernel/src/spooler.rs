@@ -113,13 +113,14 @@ impl Moves {
         Moves { slots: Vec::with_capacity(capacity), free: Vec::with_capacity(capacity) }
     }
     /// Stores a move. The slab is as large as all spoolers together, so it does not grow in a sample.
+    #[inline]
     pub fn add(&mut self, mv: Move) -> u32 {
-        if let Some(slot) = self.free.pop() {
-            self.slots[slot as usize] = mv;
-            return slot;
-        }
-        self.slots.push(mv);
-        (self.slots.len() - 1) as u32
+        let slot = self.free.pop().unwrap_or_else(|| {
+            self.slots.push(Move::default());
+            (self.slots.len() - 1) as u32
+        });
+        self.slots[slot as usize] = mv;
+        slot
     }
     /// One axis lets go; true if it was the last and the slot is free again.
     pub fn release(&mut self, slot: u32) -> bool {
@@ -187,7 +188,7 @@ pub enum Entry {
 impl Entry {
     pub const fn bytes(&self) -> u32 {
         match self {
-            Entry::Move { component, .. } if component.circle => BYTES_CIRCLE,
+            Entry::Move { component, .. } if component.is_circle() => BYTES_CIRCLE,
             Entry::Move { .. } => BYTES_LINEAR,
             Entry::Function(_) => BYTES_FUNCTION,
             Entry::Points(points) => BYTES_POINTS + points.count * BYTES_POINT,

@@ -77,13 +77,14 @@ impl Mcu {
             if !self.tasks[number].is_active() {
                 continue;
             }
-            let mut task = std::mem::take(&mut self.tasks[number]);
+            let stand_in = self.stand_in.take().unwrap_or_default();
+            let mut task = std::mem::replace(&mut self.tasks[number], stand_in);
             task.run(self);
             if let Some(error) = task.new_error() {
                 self.told.task_error = true;
                 self.event(EventKind::Task, number as i32, "error", true, error.line, i64::from(error.number));
             }
-            self.tasks[number] = task;
+            self.stand_in = Some(std::mem::replace(&mut self.tasks[number], task));
         }
     }
 }
