@@ -21,6 +21,11 @@ TABLE = Path(__file__).with_name("programs.csv")
 #: What a row may change in the machine file: pattern, replacement.
 CHANGES = {
     "travel": (r"limits = \{ left = [-\d.]+, right = [\d.]+", "limits = { left = -2000.0, right = 2000.0"),
+    "lathe": (
+        r"\Z",
+        "\n[gcode.spindle]\nlimit = 3000.0\n"
+        + "".join(f"\n[[gcode.m]]\nnumber = {m}\nset = [6]\n" for m in (16, 26, 27)),
+    ),
     "d_is_radius": (r"\Z", "\n[gcode.dialect]\nd_is_radius = true\n"),
 }
 

@@ -143,10 +143,10 @@ class Ring:
         self.tree = KDTree(self.points)
 
     def distance(self, points: Any) -> Any:
-        """Distance of points from the sides next to the nearest point of the ring."""
-        _, nearest = self.tree.query(points)
+        """Distance of points from the sides next to the nearest points of the ring: at a corner those of both sides."""
+        _, nearest = self.tree.query(points, k=8)
         n = len(self.points)
-        return np.minimum(*(self._from_side(points, (nearest + k) % n) for k in (-1, 0)))
+        return np.min([self._from_side(points, (near + k) % n) for near in nearest.T for k in (-1, 0)], axis=0)
 
     def _from_side(self, points: Any, first: Any) -> Any:
         a, b = self.points[first], self.points[(first + 1) % len(self.points)]
