@@ -4,12 +4,10 @@
 //! Positions are in axis units. The first one is taken over in the sample in which what stood before ends; an override
 //! does not act on them. A command that follows starts with the velocity of the last step; without one the axis stands.
 
-use crate::autocode::MoveKind;
 use crate::axes::AxisSet;
 use crate::axis::{Axis, Doing};
 use crate::functions::Entered;
 use crate::mcu::Mcu;
-use crate::motion::MotionCommand;
 use crate::profile::{Profile, Request};
 use crate::registers::{ErrorReg, ModeReg};
 use crate::spooler::{BYTES_POINT, BYTES_POINTS, Entry, NONE, Points, SpoolState};
@@ -77,21 +75,7 @@ impl Mcu {
             if slot == NONE {
                 continue;
             }
-            let list = crate::axes::AxisList::new(&[a]);
-            let (kind, center, targets) = (MoveKind::Smla, [0.0; 2], [0.0]);
-            let command = MotionCommand {
-                kind,
-                axes: &list,
-                targets: &targets,
-                center,
-                phi: 0.0,
-                vl: tvl,
-                ac: 0.0,
-                tvl,
-                rapid: false,
-                line: 0,
-            };
-            let wanted_v = self.in_path_units(&command).tvl.min(self.moves[slot].vl);
+            let wanted_v = (tvl * self.velocity_unit(a)).min(self.moves[slot].vl);
             if self.axes[a].queue_last == slot {
                 self.axes[a].queue_tvl = wanted_v;
             }
