@@ -206,8 +206,8 @@ fn notriangle_goes_on_with_the_higher_junction_velocity() {
 fn notriangle_does_not_crawl_to_a_tiny_last_move() {
     let samples = |modereg: ModeReg| {
         let mut m = mcu("X", modereg);
-        line(&mut m, &[10.0], 60.0, 500.0, 60.0);
-        line(&mut m, &[10.0 + 1e-6], 60.0, 500.0, 0.0);
+        line(&mut m, &[10.0], 100.0, 500.0, 100.0);
+        line(&mut m, &[10.0 + 1e-6], 100.0, 500.0, 0.0);
         run(&mut m).len()
     };
     assert_eq!(samples(LOOKAHEAD | ModeReg::NoTriangle), samples(LOOKAHEAD));
