@@ -26,7 +26,7 @@ impl Mcu {
                     done = done.union(self.moves[slot].axes);
                     self.stop_at_line_end(a, slot);
                 }
-                Doing::Wait(_) => self.axes[a].spooler.insert(0, Entry::HoldPoint),
+                Doing::Wait(_) | Doing::Points(_) => self.axes[a].spooler.insert(0, Entry::HoldPoint),
                 Doing::Nothing if self.axes[a].spooler.state == SpoolState::Running => {
                     self.axes[a].spooler.state = SpoolState::Held;
                 }
@@ -70,7 +70,8 @@ impl Mcu {
         match entry {
             Entry::Move { slot, .. } => Some(self.moves[*slot].line),
             Entry::Function(function) => Some(function.line),
-            Entry::Points(_) | Entry::HoldPoint => None,
+            Entry::Points(_) => Some(0), // commands of the application have no line
+            Entry::HoldPoint => None,
         }
     }
 

@@ -171,6 +171,7 @@ impl Mcu {
         }
         let distance = target - axis.dp;
         let parameters = axis.parameters;
+        let jerkrel = if shaped { parameters.jerkrel } else { 0.0 };
         // without distance a moving axis comes back to where it is
         let toward = if distance != 0.0 { distance.signum() } else { -v.signum() };
         let direction = if parameters.jvl < 0.0 { -toward } else { toward };
@@ -183,11 +184,11 @@ impl Mcu {
                 max_v: parameters.jvl,
                 acc: parameters.jac,
                 target_v: parameters.jtvl,
-                jerkrel: if shaped { parameters.jerkrel } else { 0.0 },
+                jerkrel,
             };
             Profile::direct(&request, parameters.jog_brake, true)
         } else {
-            Profile::endless(start_v, -parameters.jvl, parameters.jac, parameters.jog_brake)
+            Profile::endless(start_v, -parameters.jvl, parameters.jac, parameters.jog_brake, jerkrel)
         };
         axis.component = Component { base: axis.dp, p: direction, target, ..Component::default() };
         (axis.doing, axis.t, axis.jogging, axis.queue_end) = (Doing::Alone, 0.0, true, target);

@@ -46,7 +46,7 @@ impl Mcu {
         let start_v = v * direction / axis.jog_override();
         let (max_v, acc) = (axis.parameters.hvl, axis.parameters.hac);
         axis.alone = match search {
-            Search::Reference => Profile::endless(start_v, max_v, acc, acc),
+            Search::Reference => Profile::endless(start_v, max_v, acc, acc, 0.0),
             Search::Index => {
                 let to = way.abs();
                 Profile::direct(&Request { from: 0.0, to, start_v, max_v, acc, target_v: 0.0, jerkrel: 0.0 }, acc, true)

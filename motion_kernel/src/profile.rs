@@ -220,9 +220,9 @@ impl Profile {
     }
 
     /// From `start_v` to `max_v` and on for ever.
-    pub fn endless(start_v: f64, max_v: f64, acc: f64, brake_acc: f64) -> Profile {
+    pub fn endless(start_v: f64, max_v: f64, acc: f64, brake_acc: f64, jerkrel: f64) -> Profile {
         let mut profile = Profile { end_s: f64::INFINITY, end_v: max_v, ..Profile::default() };
-        profile.push(0.0, start_v, max_v, if start_v > max_v { -brake_acc } else { acc }, 0.0);
+        profile.push(0.0, start_v, max_v, if start_v > max_v { -brake_acc } else { acc }, jerkrel);
         profile.hold_speed_from(0.0, max_v, f64::INFINITY);
         profile
     }

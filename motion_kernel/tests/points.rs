@@ -303,6 +303,23 @@ fn stops_break_points_off() {
 }
 
 #[test]
+fn a_hold_at_a_block_end_lets_a_block_of_points_end_and_steps_through_the_next() {
+    let mut m = mcu("X", EXACT);
+    let points: Vec<f64> = (1..=100).map(|k| 0.01 * f64::from(k)).collect();
+    assert_eq!(m.spd(0, &points), Entered::Yes);
+    assert_eq!(m.spd(0, &[1.01]), Entered::Yes);
+    start(&mut m);
+    m.run(20);
+    m.hold_at_block_end();
+    m.run(200);
+    assert_eq!((m.rddp(0), m.is_holding()), (1.0, true));
+    assert!(m.step_block());
+    m.run(10);
+    assert_eq!(m.rddp(0), 1.01);
+    assert!(!m.step_block(), "nothing is left");
+}
+
+#[test]
 fn points_need_a_closed_loop() {
     let mut m = Mcu::new(std::sync::Arc::new(machine("X")));
     assert_eq!(m.spd(0, &[1.0]), Entered::Refused);

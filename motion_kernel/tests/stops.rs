@@ -103,6 +103,21 @@ fn with_the_s_profile_stops_are_s_shaped_too() {
     }
 }
 
+#[test]
+fn an_endless_jog_has_s_shaped_ramps_too() {
+    let steepest = |modereg: ModeReg| {
+        let mut m = mcu("X", modereg);
+        m.parameters_mut(0).jvl = -20.0;
+        m.ja(&AxisList::new(&[0]), &[5.0]);
+        let mut trace = Trace::default();
+        m.pass(100, &mut trace);
+        close(m.rddv(0), -20.0, 1e-9);
+        speeds(&trace, 0, 0.0).windows(2).map(|w| (w[0] - w[1]) / TA).fold(0.0, f64::max)
+    };
+    close(steepest(EXACT), 500.0, 1e-6);
+    close(steepest(EXACT | ModeReg::SProfile), 1000.0, 40.0);
+}
+
 fn at_a_limit() -> Mcu {
     let mut machine = machine("XYZ");
     machine.axes[0].limits = Some(SoftwareLimits { left: -1.0, right: 10.0, function: LimitFunction::Smd });
