@@ -15,9 +15,9 @@ from typing import Any
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import sympas as native_sympas
 from cnc_front.diagnostics import Diagnostic
-from cnc_front.errors import Exit
+from cnc_front.errors import CompileError, Exit
 from cnc_front.execution import HARMLESS, AlarmEvent, End
-from cnc_front.jobs import JobSource, MachineFile, StimulusFile
+from cnc_front.jobs import JobSource, MachineFile, StimulusFile, shown
 from cnc_front.messages import text
 from cnc_front.verdict import EMPTY, SCHEMA, Reason, job_object, machine_object
 
@@ -69,7 +69,12 @@ class SapRun:
         if self.options.stimulus is not None:
             self.mcu.add_stimulus(self.options.stimulus.stimulus)
         for task in self.tasks:
-            self.mcu.load(task.number, task.program)
+            try:
+                self.mcu.load(task.number, task.program)
+            except ValueError as error:  # an autocode file of a larger machine
+                hint = "compile the job for this machine"
+                where = shown(task.source.path)
+                raise CompileError([Diagnostic(where, 1, 1, 1, "CF202", str(error), hint)]) from None
         for task in self.tasks:
             self.mcu.startcnct(task.number)
 
@@ -192,7 +197,7 @@ class SapRun:
             "tasks": [
                 {
                     "task": t.number,
-                    "path": t.source.path,
+                    "path": shown(t.source.path),
                     "errnum": t.error[0] if t.error else 0,
                     "errline": t.error[1] if t.error else 0,
                     "csrcline": t.line,
@@ -207,7 +212,7 @@ class SapRun:
 
     def as_text(self, language: str) -> str:
         """Verdict, figures, what the tasks wrote."""
-        rows = [f"{self.tasks[0].source.path}: {self.word}"]
+        rows = [f"{shown(self.tasks[0].source.path)}: {self.word}"]
         rows += [f"  {text(r.id, language, **r.values)}" for r in self.reasons()[:10]]
         axes = zip(self.machine.machine.axis_names, self.mcu.status()["axes"], self.machine.machine.units, strict=True)
         where = "  ".join(f"{name} {axis['load']:.4f} {unit}" for name, axis, unit in axes)

@@ -10,6 +10,7 @@ import pytest
 
 from cnc_front.cli import run_command_line
 
+ROOT = Path(__file__).parents[2]
 Write = Callable[[str, str], Path]
 MOVE = """program Move;
 begin
@@ -98,6 +99,14 @@ def test_an_autocode_file_runs_like_its_source(write: Write, capsys: pytest.Capt
     assert run_command_line(["translate", str(source), "--output", str(target)]) == 0
     assert run(target, "--json") == 0
     assert [(t["task"], t["output"]) for t in json.loads(capsys.readouterr().out)["tasks"]] == [(1, ["seen"])]
+
+
+def test_an_autocode_file_of_a_larger_machine_is_refused(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
+    source = write("watch.src", WATCH)
+    target, four = source.with_suffix(".cnc"), ROOT / "examples" / "machines" / "mill4a.toml"
+    assert run_command_line(["translate", str(source), "--output", str(target), "--machine", str(four)]) == 0
+    assert run(target) == 2
+    assert "CF202: compiled for more axes than the machine has" in capsys.readouterr().err
 
 
 def test_what_needs_a_path_is_refused(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
