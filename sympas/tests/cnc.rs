@@ -129,6 +129,7 @@ proptest! {
         }
         if let Ok(program) = decode(&sealed(bytes)) {
             prop_assert!(!listing(&program).is_empty());
+            support::controller::run(&program, 20); // whatever it does, the controller survives it
         }
     }
 
