@@ -75,7 +75,7 @@ bench: $(NATIVE)
 	@$(PY) -m benches
 	@$(PY) -m benches.peer
 	@$(PY) -m benches.sympas
-	@cargo bench --quiet --locked -p motion_kernel
+	@cargo bench --quiet --locked -p motion_kernel --bench samples --bench planning
 
 check:
 	@.ci/run
