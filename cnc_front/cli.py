@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from cnc_front import VERSION
+from cnc_front.batch import arguments as batch_arguments
 from cnc_front.errors import CompileError, Exit, UsageError
 
 EXAMPLES = """examples:
@@ -20,6 +21,7 @@ EXAMPLES = """examples:
   cnc-front check *.nc                           compile only, name every problem
   cnc-front translate part.nc                    the spooled command sequence
   cnc-front tui part.nc                          operator's terminal
+  cnc-front batch parts/ --machine mill.toml     many parts, with an index of the worst
 exit codes: 0 done; 1 a check failed; 2 bad input; 3 stopped by fault or time limit; 130 interrupted
 """
 
@@ -121,6 +123,7 @@ def build_parser() -> Parser:
     tui.add_argument("job", metavar="JOB", nargs="?")
     tui.add_argument("--glyphs", choices=("quadrant", "braille", "half", "ascii"), help="characters of the path plot")
     tui.add_argument("--theme", choices=("dark", "light", "mono"), help="colours")
+    batch_arguments.add(commands, common, _seconds, _millimetres)
     return parser
 
 

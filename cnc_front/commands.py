@@ -213,6 +213,20 @@ def tui(options: argparse.Namespace) -> int:
     return int(start(options, language_from(options.lang)))
 
 
+def batch(options: argparse.Namespace) -> int:
+    """`cnc-front batch`."""
+    from cnc_front.batch.command import batch
+
+    return batch(options)
+
+
+def compare(options: argparse.Namespace) -> int:
+    """`cnc-front compare`."""
+    from cnc_front.batch.compare import compare
+
+    return compare(options)
+
+
 COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "run": run,
     "check": check,
@@ -220,4 +234,6 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "report": report,
     "machine": machine,
     "tui": tui,
+    "batch": batch,
+    "compare": compare,
 }

@@ -1,0 +1,171 @@
+"""Batches: nothing lost, nothing doubled, nothing run twice; each task for itself."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import sqlite3
+import subprocess
+import time
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from tests.batch.conftest import ROOT, batch, command, machines, program, results
+
+
+def test_every_part_on_every_machine_just_once(parts: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    ran = batch(parts, *machines(), "--out", out, "--json", "--reports", 1)
+    told = [json.loads(line) for line in ran.stdout.splitlines()]
+    kept = results(out)
+    names = {(row["part"], row["machine_name"]) for row in kept}
+    assert len(told) == len(kept) == len(names) == 16
+    assert {row["verdict"] for row in kept} == {"PASS"}
+    assert all(row["path_length_mm"] > 0 and row["deviation_max_mm"] < 0.05 for row in kept)
+
+
+def test_figures_are_those_of_run(parts: Path, tmp_path: Path) -> None:
+    batch(parts / "part3.nc", "--out", tmp_path / "out")
+    run = subprocess.run(command("run", parts / "part3.nc", "--json", "-q"), cwd=ROOT, capture_output=True, text=True)
+    alone, row = json.loads(run.stdout), results(tmp_path / "out")[0]
+    kept = json.loads(row["run"])
+    assert {k: v for k, v in alone.items() if k != "wall_time_s"} == kept
+    assert row["deviation_max_mm"] == alone["deviation"]["actual"]["max_mm"]
+    assert row["machine_time_s"] == alone["machine_time_s"]
+
+
+def test_what_is_known_is_not_run_again(parts: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    batch(parts, "--out", out)
+    before = results(out)
+    again = batch(parts, "--out", out, "--json")
+    assert again.stdout == "" and "8 of 8 results are known" in again.stderr
+    assert results(out) == before
+    (parts / "part2.nc").write_text(program(77, 9))
+    changed = batch(parts, "--out", out, "--json")
+    rows = [json.loads(line) for line in changed.stdout.splitlines()]
+    assert [Path(row["part"]).name for row in rows] == ["part2.nc"]
+    assert rows[0]["before_verdict"] == "PASS" and rows[0]["before_time_s"] > 0
+    assert len(results(out)) == 8
+
+
+def test_a_changed_subprogram_counts_as_a_change(tmp_path: Path) -> None:
+    folder = tmp_path / "parts"
+    folder.mkdir()
+    (folder / "main.nc").write_text("G00 X0 Y0 Z0\nF600\nM98 P1234\nM30\n")
+    (folder / "1234.nc").write_text("G01 X5\nM99\n")
+    out = tmp_path / "out"
+    batch(folder / "main.nc", "--out", out, code=None)
+    (folder / "other.nc").write_text("G01 X1 F100\nM30\n")
+    assert batch(folder / "main.nc", "--out", out, "--json", code=None).stdout == ""
+    (folder / "1234.nc").write_text("G01 X6\nM99\n")
+    assert batch(folder / "main.nc", "--out", out, "--json", code=None).stdout != ""
+
+
+def test_archives_and_patterns(parts: Path, tmp_path: Path) -> None:
+    archive = tmp_path / "job.zip"
+    with zipfile.ZipFile(archive, "w") as members:
+        members.writestr("a/one.nc", program(1, 3))
+        members.writestr("a/notes.txt", "no program")
+        members.writestr("two.nc", program(2, 3))
+    batch(archive, str(parts / "part[01].nc"), "--out", tmp_path / "out")
+    names = sorted(Path(row["part"]).name for row in results(tmp_path / "out"))
+    assert names == ["one.nc", "part0.nc", "part1.nc", "two.nc"]
+
+
+@pytest.mark.parametrize("wrong", ["nowhere", "empty", "broken.zip"])
+def test_paths_without_programs_are_told(wrong: str, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "broken.zip").write_bytes(b"PK\x03\x04 and no more")
+    ran = batch(tmp_path / wrong, "--out", tmp_path / "out", code=2)
+    assert wrong in ran.stderr
+
+
+def test_bad_parts_do_not_harm_the_others(parts: Path, tmp_path: Path) -> None:
+    (parts / "endless.src").write_text("begin while true do CI0 := CI0 + 1; end.\n")
+    (parts / "wrong.nc").write_text("G01 X1 F100\nG01 Q*\nM30\n")
+    lines = "".join(f"G01 X{n % 7} Y{n % 5}\n" for n in range(1000))
+    (parts / "hungry.nc").write_text(f"F6000\nM98 P100 L9000\nM30\nO100\n{lines}M99\n")  # 9 million commands
+    (parts / "dir.nc").mkdir()
+    out = tmp_path / "out"
+    batch(parts, "--out", out, "--max-time", "60", "--max-memory", "700", "--jobs", "2", code=3)
+    rows = {Path(row["part"]).name: row for row in results(out)}
+    assert len(rows) == 11
+    good = [row["verdict"] for name, row in rows.items() if name.startswith("part")]
+    assert good == ["PASS"] * 8
+    assert rows["wrong.nc"]["code"] == 2 and "GC" in rows["wrong.nc"]["reason"]
+    assert rows["endless.src"]["code"] == 3 and "time" in rows["endless.src"]["reason"]
+    assert rows["hungry.nc"]["code"] == 3 and rows["hungry.nc"]["reason"] == "memory"
+
+
+def test_pages_say_what_the_store_says(parts: Path, tmp_path: Path) -> None:
+    (parts / "wrong.nc").write_text("G01 X1 F100\nG01 Q*\nM30\n")
+    out = tmp_path / "out"
+    batch(parts, *machines(), "--out", out, "--reports", 2, code=2)
+    kept = results(out)
+    page = (out / "index.html").read_text("utf-8")
+    assert page.count("<tr data-verdict=") == len(kept) == 18
+    assert "2 FAIL" in page and page.index("wrong.nc") < page.index("part0.nc"), "worst first"
+    for row in kept:
+        if row["deviation_max_mm"] is not None:
+            assert f'<td class="n">{row["deviation_max_mm"] * 1e3:.2f}</td>' in page
+    reports = list((out / "reports").glob("*/report.html"))
+    assert len(reports) == 2 and all(str(r.relative_to(out)) in page for r in reports)
+    suites = ElementTree.parse(out / "junit.xml").getroot()
+    assert suites.attrib["tests"] == "18" and len(suites.findall(".//failure")) == 2
+    summary = (out / "summary.md").read_text("utf-8")
+    assert "2 FAIL, 0 WARN, 16 PASS" in summary
+
+
+def test_a_killed_batch_goes_on_where_it_was(parts: Path, tmp_path: Path) -> None:
+    for n in range(8, 20):
+        (parts / f"part{n}.nc").write_text(program(n, 60))
+    whole = tmp_path / "whole"
+    batch(parts, *machines(), "--out", whole, "--reports", 1)
+    out, dice, kills = tmp_path / "out", random.Random(5), 0
+    for _ in range(4):
+        running = subprocess.Popen(
+            command("batch", parts, *machines(), "--out", out, "--reports", 1),
+            cwd=ROOT,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        time.sleep(dice.uniform(0.3, 2.5))
+        kills += running.poll() is None
+        os.killpg(running.pid, signal.SIGKILL)
+        running.wait()
+    assert kills
+    batch(parts, *machines(), "--out", out, "--reports", 1)
+    assert results(out) == results(whole)
+
+
+def test_a_killed_worker_costs_one_task(parts: Path, tmp_path: Path) -> None:
+    (parts / "long.nc").write_text(program(1, 30_000))
+    out = tmp_path / "out"
+    running = subprocess.Popen(command("batch", parts, "--out", out, "--jobs", "2", "--reports", 1), cwd=ROOT)
+    time.sleep(1.5)
+    children = Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split()
+    assert children
+    os.kill(int(children[0]), signal.SIGKILL)
+    running.wait(timeout=300)
+    rows = results(out)
+    lost = [row for row in rows if row["reason"] == "killed"]
+    assert len(rows) == 9 and len(lost) <= 1
+    assert all(row["verdict"] == "PASS" for row in rows if row not in lost)
+
+
+def test_two_batches_on_one_folder(parts: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    one = command("batch", parts, *machines(), "--out", out, "--reports", 1, "-q")
+    both = [subprocess.Popen(one, cwd=ROOT) for _ in range(2)]
+    assert [p.wait(timeout=300) for p in both] == [0, 0]
+    assert len(results(out)) == 16
+    with sqlite3.connect(out / "results.sqlite") as base:
+        assert base.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+    base.close()
