@@ -121,6 +121,7 @@ def build_parser() -> Parser:
     machine.add_argument("file", metavar="FILE", nargs="?")
     tui = commands.add_parser("tui", parents=[compiling], help="operator's terminal")
     tui.add_argument("job", metavar="JOB", nargs="?")
+    tui.add_argument("--task", metavar="N=JOB", action="append", default=[], help="a rw_SymPas job for another task")
     tui.add_argument("--glyphs", choices=("quadrant", "braille", "half", "ascii"), help="characters of the path plot")
     tui.add_argument("--theme", choices=("dark", "light", "mono"), help="colours")
     batch_arguments.add(commands, common, _seconds, _millimetres)

@@ -59,6 +59,16 @@ def _load(number: int | None, path: str, machine: MachineFile, options: argparse
     return Task(number, source, program, diagnostics)
 
 
+def load_tasks(options: argparse.Namespace) -> tuple[MachineFile, list[Task]]:
+    """The machine and the jobs of a command line; CompileError with every finding of the first that has one."""
+    machine = load_machine(options.machine, options.job)
+    tasks = [_load(number, path, machine, options) for number, path in _asked(options)]
+    numbers = [task.number for task in tasks]
+    if len(set(numbers)) < len(numbers):
+        raise UsageError(f"two jobs for one task ({', '.join(map(str, numbers))}): give --task N=JOB")
+    return machine, tasks
+
+
 def run_sap(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     """`cnc-front run job.src [--task 1=monitor.src ...]`."""
     foreign = [name for name in FOREIGN if getattr(options, name) is not None]
@@ -67,8 +77,8 @@ def run_sap(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int
     language = language_from(options.lang)
     machine = None
     try:
-        machine = load_machine(options.machine, options.job)
-        tasks = [_load(number, path, machine, options) for number, path in _asked(options)]
+        machine = load_machine(options.machine, options.job)  # known to the result even if a job does not compile
+        _, tasks = load_tasks(options)
         stimulus = load_stimulus(options.stimulus, options.job, machine)
     except CompileError as error:
         _say(error.diagnostics, options)
@@ -78,9 +88,6 @@ def run_sap(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int
             args = (options.job, None, options.machine, machine, error.diagnostics)
             print(json.dumps(failed_object(*args), allow_nan=False))
         return Exit.BAD_INPUT
-    numbers = [task.number for task in tasks]
-    if len(set(numbers)) < len(numbers):
-        raise UsageError(f"two jobs for one task ({', '.join(map(str, numbers))}): give --task N=JOB")
     for task in tasks:
         _say(task.warnings, options)
     run = SapRun(machine, tasks, SapOptions(options.max_time, interrupted, stimulus=stimulus)).run()

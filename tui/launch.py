@@ -12,7 +12,7 @@ import time
 from cnc_front.engine import Engine, State
 from cnc_front.errors import Exit, UsageError
 from tui.app import Switches, Terminal
-from tui.look import choose_look
+from tui.look import Look, choose_look
 from tui.words import Words
 
 #: After the terminal was closed: longest wait for standstill, and for a tidy end, s.
@@ -25,6 +25,8 @@ def run_terminal(options: argparse.Namespace, language: str) -> int:
         raise UsageError("tui needs a terminal; `cnc-front run` works without one")
     look = choose_look(options.theme, options.glyphs, os.environ)
     switches = Switches(optional_stop=options.optional_stop, skip=bool(options.skip))
+    if options.job and is_sap(options):
+        return debug(options, look, Words(language))
     engine = make_engine(options, language)
     try:
         terminal = Terminal(engine, look, Words(language), job=options.job, switches=switches)
@@ -33,6 +35,24 @@ def run_terminal(options: argparse.Namespace, language: str) -> int:
         return int(Exit.DONE if terminal.return_code == 0 else Exit.STOPPED)
     finally:
         engine.close()
+
+
+def is_sap(options: argparse.Namespace) -> bool:
+    """The job is for CNC tasks: rw_SymPas, or autocode."""
+    from cnc_front.jobs import read_job
+
+    return read_job(options.job, options.language).language != "din66025"
+
+
+def debug(options: argparse.Namespace, look: Look, words: Words) -> int:
+    """Steps through a rw_SymPas job. Raises CompileError with every finding."""
+    from cnc_front.sap_command import load_tasks
+    from cnc_front.sap_debug import debug_session
+    from tui.debugger import Debugger
+
+    machine, tasks = load_tasks(options)
+    Debugger(debug_session(machine, tasks), look, words).run()
+    return int(Exit.DONE)
 
 
 def make_engine(options: argparse.Namespace, language: str) -> Engine:

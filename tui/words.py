@@ -3,6 +3,18 @@
 from __future__ import annotations
 
 TEXTS: dict[str, tuple[str, str]] = {
+    "cnc_task": ("CNC task", "CNC-Task"),
+    "task_runs": ("runs", "läuft"),
+    "task_waits": ("waits", "wartet"),
+    "task_step": ("before a step", "vor einem Schritt"),
+    "task_halted": ("halted at writeln", "hält bei writeln"),
+    "task_stopped": ("stopped", "gestoppt"),
+    "task_ended": ("ended", "beendet"),
+    "task_error": ("RUNTIME ERROR", "LAUFZEITFEHLER"),
+    "debug_keys": (
+        " s step  o over  c go  a all go  p pause  b breakpoint  up/down  t task  q quit",
+        " s Schritt o darüber c weiter a alle p Pause b Haltepunkt auf/ab t Task q Ende",
+    ),
     "actual": ("ACTUAL", "IST"),
     "to_go": ("TO GO", "RESTWEG"),
     "command": ("COMMAND", "SOLL"),
