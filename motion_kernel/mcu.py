@@ -12,13 +12,26 @@ from motion_kernel.axis_values import Parameters, Positions
 from motion_kernel.debug import Debugging
 from motion_kernel.homing import Homing
 from motion_kernel.motion import SpooledMotion
+from motion_kernel.resources import ResourceAccess
 from motion_kernel.status import CardRegisters, Status
 from motion_kernel.system import System
 from motion_kernel.system_values import SystemValues
 from motion_kernel.tasks import Tasks
 
 
-class Mcu(SpooledMotion, Homing, Positions, Parameters, SystemValues, Status, CardRegisters, Tasks, Debugging, System):
+class Mcu(
+    SpooledMotion,
+    Homing,
+    Positions,
+    Parameters,
+    SystemValues,
+    Status,
+    CardRegisters,
+    Tasks,
+    Debugging,
+    ResourceAccess,
+    System,
+):
     """Controllers after boot: loops open, MODEREG and TROVRST 0. One card for each machine; commands go to the one that
     `cardselect` chose, at first card 0. Not safe across threads."""
 

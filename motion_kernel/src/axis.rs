@@ -186,6 +186,8 @@ pub struct Axis {
     /// Virtual zero point, a position of the machine (zero.rs).
     pub zero: f64,
     pub limiting: Limiting,
+    /// Software limits are watched or not, whatever shp did (resource EVLSS).
+    pub evlss: Option<bool>,
     pub status: Axst,
     pub parameters: Parameters,
 }
@@ -219,6 +221,7 @@ impl Axis {
             function: None,
             zero: 0.0,
             limiting: Limiting::default(),
+            evlss: None,
             status: Axst::pe,
             parameters: Parameters::new(axis),
         }
@@ -234,6 +237,10 @@ impl Axis {
     /// The jog override; without OvrMode it is the effective trajectory override, also while that ramps (4.4.175).
     pub fn jog_override(&self) -> f64 {
         if self.jovr_follows { self.trajectory.factor } else { self.parameters.jovr }
+    }
+    /// Software limits are watched: since shp, or as EVLSS says.
+    pub fn watches_limits(&self) -> bool {
+        self.evlss.unwrap_or(self.status.has(Axst::referenced))
     }
     /// Executes a motion command with a target.
     pub fn travels(&self) -> bool {

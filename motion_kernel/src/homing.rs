@@ -102,6 +102,7 @@ impl Mcu {
             self.axes[axis].dp = self.loops[axis].rp();
             self.axes[axis].forget_queue();
         }
+        self.axes[axis].evlss = None;
         self.set_status(axis, Axst::referenced, true);
         true
     }

@@ -50,6 +50,10 @@ impl Io {
     pub fn keep_outside(&mut self, before: &Io) {
         (self.levels, self.ifs, self.logic) = (before.levels, before.ifs, before.logic);
     }
+    /// Inputs that are inverted.
+    pub fn inverted(&self) -> u32 {
+        self.inverted
+    }
     /// The inputs after inversion.
     pub fn active_inputs(&self) -> u32 {
         self.levels ^ self.inverted

@@ -38,6 +38,7 @@ pub mod profile;
 mod profile_check;
 pub mod qualifiers;
 pub mod registers;
+pub mod resources;
 pub mod sap;
 pub mod spooler;
 pub mod status;

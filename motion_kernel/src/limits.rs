@@ -121,7 +121,7 @@ impl Mcu {
         for a in 0..self.axes.len() {
             let axis = &self.axes[a];
             let mut now = match axis.parameters.limits {
-                Some(limits) if limits.function != LimitFunction::Off && axis.status.has(Axst::referenced) => {
+                Some(limits) if limits.function != LimitFunction::Off && axis.watches_limits() => {
                     passed(&limits, axis.dp)
                 }
                 _ => Axst(0),

@@ -138,6 +138,7 @@ pub struct Mcu {
     pub(crate) attending: bool,
     pub(crate) player: Player,
     pub(crate) analysis: Analysis,
+    pub(crate) resources: crate::resources::Resources,
     /// Status bits that end a job.
     pub(crate) stop_at: Axst,
     pub(crate) axis_inputs: Vec<crate::limits::AxisInputs>,
@@ -199,6 +200,7 @@ impl Mcu {
             attending: false,
             player: Player::default(),
             analysis: Analysis::for_axes(machine.axes.len()),
+            resources: crate::resources::Resources::of(&machine),
             stop_at: Axst(0),
             axis_inputs: crate::limits::AxisInputs::of(&machine),
             tasks: std::array::from_fn(|_| Box::default()),
@@ -248,6 +250,7 @@ impl Mcu {
         std::mem::swap(&mut fresh.card, &mut self.card);
         std::mem::swap(&mut fresh.hardware, &mut self.hardware);
         fresh.io.keep_outside(&self.io);
+        fresh.resources.keep_outside(&mut self.resources);
         fresh.digi = fresh.io.active_inputs();
         fresh.card.axes.resize_with(fresh.axes.len(), Default::default);
         if fresh.axes.len() == self.axes.len() {
@@ -265,6 +268,7 @@ impl Mcu {
         let mut fresh = Mcu::new(self.machine.clone());
         std::mem::swap(&mut fresh.hardware, &mut self.hardware);
         fresh.io.keep_outside(&self.io);
+        fresh.resources.keep_outside(&mut self.resources);
         fresh.boot_interface();
         fresh.digi = fresh.io.active_inputs();
         fresh.card.epc = self.card.epc;

@@ -11,6 +11,8 @@ use crate::registers::ControllerFlags;
 #[derive(Debug)]
 pub(crate) struct Special {
     pub port: Port,
+    /// Added to the motor command, digits (resource MCP OFFSET).
+    pub mcp_offset: f64,
     pub flags: ControllerFlags,
     /// Dead band of the control deviation, counts (ControllerParams[8][0]).
     pub dead_band: f64,
@@ -28,6 +30,7 @@ impl Special {
     pub fn new(axis: &machine::Axis) -> Self {
         Special {
             port: axis.equipment.port,
+            mcp_offset: 0.0,
             flags: ControllerFlags(0),
             dead_band: 0.0,
             simulated: false,
@@ -40,6 +43,7 @@ impl Special {
     pub fn is_needed(&self) -> bool {
         let plain = Port { inverted: self.port.inverted, ..Port::default() };
         self.port != plain
+            || self.mcp_offset != 0.0
             || self.flags.any(ControllerFlags::MoveControl | ControllerFlags::StopControl)
             || self.simulated
             || self.cut
@@ -70,7 +74,7 @@ impl Special {
         } else {
             0.0
         };
-        (digits + added).clamp(self.port.min, self.port.max)
+        (digits + added + self.mcp_offset).clamp(self.port.min, self.port.max)
     }
 }
 
@@ -156,6 +160,14 @@ impl PositionLoop {
             }
             _ => 0,
         }
+    }
+    /// Following error of a set point against the encoder on the auxiliary channel, axis units; 0 without one.
+    pub fn error_aux(&self, set_point: f64) -> f64 {
+        if self.special.encoder.is_none() {
+            return 0.0;
+        }
+        let counts = whole(self.aux() as f64 * self.special.gfaux).saturating_sub(self.encoder_origin);
+        set_point + self.offset - counts as f64 * self.unit_per_count
     }
     /// Counts of the encoder on the scale of the machine.
     pub(crate) fn machine_counts(&self) -> i64 {

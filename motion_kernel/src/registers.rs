@@ -164,6 +164,21 @@ bits! {
     }
 }
 
+bits! {
+    /// Options of the operating system and of the board.
+    Options {
+        RESOURCE = 0, "RESOURCE", "the resource interface";
+        PCI = 1, "PCI", "access to the memory of the host";
+        GEAR = 2, "GEAR", "electronic gear";
+        ENDAT = 3, "ENDAT", "ENDAT encoders";
+        DMARTS = 4, "DMARTS", "DMA latch";
+        RTS_ANALOGIN = 5, "RTS_ANALOGIN", "DMA latch with analog inputs";
+        ISIS = 6, "ISIS", "Isis sensors and RayDex";
+        FAST_PULSE = 7, "FAST_PULSE", "board with fast pulse outputs";
+        EP1K50 = 8, "EP1K50", "board with the large logic device";
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -179,7 +194,7 @@ mod tests {
 
     #[test]
     fn no_bit_stands_twice() {
-        for table in [Axst::ALL, ErrorReg::ALL, ModeReg::ALL, ControllerFlags::ALL, Digi::ALL, Ifs::ALL] {
+        for table in [Axst::ALL, ErrorReg::ALL, ModeReg::ALL, ControllerFlags::ALL, Digi::ALL, Ifs::ALL, Options::ALL] {
             let mut numbers: Vec<u32> = table.iter().map(|row| row.0).collect();
             numbers.dedup();
             assert_eq!(numbers.len(), table.len());

@@ -11,10 +11,11 @@ use crate::registers::ModeReg;
 pub const ZERO_OFFSET_SETS: usize = 5;
 
 impl Mcu {
-    /// Activates one of the five sets of zero offsets of the machine file for all axes (azo); any other number: none.
+    /// Activates one of the five sets of zero offsets for all axes (azo): those of the machine file, or what resource 16
+    /// wrote; any other number: none.
     pub fn azo(&mut self, set: i32) {
         for a in 0..self.axes.len() {
-            let sets = self.machine.axes[a].zero_offsets;
+            let sets = &self.resources.axes[a].ref_offset[..ZERO_OFFSET_SETS];
             let offset = usize::try_from(set).ok().and_then(|set| sets.get(set)).copied().unwrap_or(0.0);
             self.szpa(a, offset);
         }

@@ -23,6 +23,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("MOST_AUTOCODE_BYTES", ::sympas::cnc::MAX_BYTES)?;
     module.add_class::<crate::stimulus::Stimulus>()?;
     module.add_function(wrap_pyfunction!(register_bits, module)?)?;
+    module.add_function(wrap_pyfunction!(crate::resources::resource_devices, module)?)?;
     module.add_function(wrap_pyfunction!(crate::pcap::trajectory_units, module)?)?;
     Ok(())
 }

@@ -11,6 +11,7 @@ mod paths;
 mod pcap;
 mod program;
 mod record;
+mod resources;
 mod stimulus;
 mod sympas;
 

@@ -1,0 +1,104 @@
+//! The resource interface: descriptors as tuples, the table, the board and the memory of the host.
+
+use motion_kernel::registers::Options;
+use motion_kernel::resources::{Code, DEVICES, Device, ObjectDescriptor, Range};
+use pyo3::exceptions::{PyIndexError, PyMemoryError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::kernel::Mcu;
+
+/// handle, bus, device, index, sub-index, data type, access
+type Descriptor = (i32, i32, i32, i32, i32, i32, i32);
+/// first and last number, name, data type, readable, writable, whether Index and SubIndex are axes
+type Row = (i32, i32, &'static str, i32, bool, bool, bool, bool);
+
+fn descriptor(d: Descriptor) -> ObjectDescriptor {
+    let (handle, bus, device, index, sub_index, data_type, access) = d;
+    ObjectDescriptor { handle, bus, device, index, sub_index, data_type, access }
+}
+
+/// (return code, handle, value)
+fn answer<T: Default>(d: &ObjectDescriptor, read: Result<T, Code>) -> (i32, i32, T) {
+    match read {
+        Ok(value) => (Code::Ok as i32, d.handle, value),
+        Err(code) => (code as i32, d.handle, T::default()),
+    }
+}
+
+#[pymethods]
+impl Mcu {
+    fn rd_option_int(&mut self, d: Descriptor) -> (i32, i32, i32) {
+        let mut d = descriptor(d);
+        let read = self.kernel.rdOptionInt(&mut d);
+        answer(&d, read)
+    }
+    fn rd_option_dbl(&mut self, d: Descriptor) -> (i32, i32, f64) {
+        let mut d = descriptor(d);
+        let read = self.kernel.rdOptionDbl(&mut d);
+        answer(&d, read)
+    }
+    fn wr_option_int(&mut self, d: Descriptor, value: i32) -> (i32, i32) {
+        let mut d = descriptor(d);
+        (self.kernel.wrOptionInt(&mut d, value) as i32, d.handle)
+    }
+    fn wr_option_dbl(&mut self, d: Descriptor, value: f64) -> (i32, i32) {
+        let mut d = descriptor(d);
+        (self.kernel.wrOptionDbl(&mut d, value) as i32, d.handle)
+    }
+    /// Options of the operating system and the board.
+    fn resource_options(&self) -> Vec<&'static str> {
+        self.kernel.resources().options.names().collect()
+    }
+    fn set_resource_options(&mut self, names: Vec<String>) -> PyResult<()> {
+        let mut options = Options(0);
+        for name in &names {
+            let option = Options::by_name(name);
+            options.set(option.ok_or_else(|| PyValueError::new_err(format!("there is no option {name}")))?);
+        }
+        self.kernel.resources_mut().options = options;
+        Ok(())
+    }
+    /// Physical address of new host memory.
+    fn alloc_phys_mem(&mut self, size: u32) -> PyResult<u32> {
+        let base = self.kernel.resources_mut().memory.alloc(size);
+        base.ok_or_else(|| PyMemoryError::new_err(format!("{size} bytes of host memory are not to be had")))
+    }
+    fn free_phys_mem(&mut self, base: u32) -> bool {
+        self.kernel.resources_mut().memory.free(base)
+    }
+    fn read_host<'py>(&mut self, py: Python<'py>, address: u64, size: usize) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = self.kernel.resources_mut().memory.at(address, size);
+        bytes.map(|bytes| PyBytes::new(py, bytes)).ok_or_else(outside)
+    }
+    fn write_host(&mut self, address: u64, bytes: &[u8]) -> PyResult<()> {
+        let place = self.kernel.resources_mut().memory.at(address, bytes.len());
+        place.map(|place| place.copy_from_slice(bytes)).ok_or_else(outside)
+    }
+    /// Analog inputs of the board as the world outside has them.
+    fn set_analog_input(&mut self, channel: usize, digits: i16) -> PyResult<()> {
+        let input = self.kernel.resources_mut().ain.get_mut(channel);
+        *input.ok_or_else(|| PyIndexError::new_err("analog inputs are 0 to 7"))? = digits;
+        Ok(())
+    }
+    fn analog_outputs(&self) -> [i16; 4] {
+        self.kernel.resources().aout
+    }
+    fn fast_outputs(&self) -> u16 {
+        self.kernel.resources().fast
+    }
+}
+
+fn outside() -> PyErr {
+    PyIndexError::new_err("not inside allocated host memory")
+}
+
+/// All devices.
+#[pyfunction]
+pub fn resource_devices() -> Vec<Row> {
+    let row = |d: &Device| {
+        let axes = [d.index, d.sub_index].map(|range| range == Range::Axis);
+        (d.first, d.last, d.name, d.kind as i32, d.read.is_some(), d.write.is_some(), axes[0], axes[1])
+    };
+    DEVICES.iter().flat_map(|table| table.iter()).map(row).collect()
+}

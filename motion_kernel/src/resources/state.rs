@@ -1,0 +1,99 @@
+//! What the resource interface itself keeps.
+
+use super::{HostMemory, ObjectDescriptor};
+use crate::machine::Machine;
+pub use crate::registers::Options;
+
+/// The standard board, without special hardware.
+const STANDARD: Options = Options(Options::RESOURCE.0 | Options::PCI.0 | Options::GEAR.0);
+
+/// Zero offsets that device 16 reaches: the five of `azo` and one more.
+pub const OFFSETS: usize = 6;
+
+/// Registers of one axis that exist as resources only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisResources {
+    pub ref_offset: [f64; OFFSETS],
+    pub mirror: bool,
+    pub position_factor: f64,
+    /// Base address and factors of Isis and RayDex (310, 320, 321).
+    pub isis_base: Option<u32>,
+    pub isis_frequency: i32,
+    pub isis_norm: f64,
+}
+
+/// State of the resource interface.
+#[derive(Clone, Debug)]
+pub struct Resources {
+    pub options: Options,
+    /// Resources in the order of their handles, the first has handle 1.
+    defined: Vec<ObjectDescriptor>,
+    pub axes: Vec<AxisResources>,
+    /// Analog outputs and inputs of the base board, digits.
+    pub aout: [i16; 4],
+    pub ain: [i16; 8],
+    /// Fast pulse outputs, a bit for each axis.
+    pub fast: u16,
+    /// Base addresses of host memory.
+    pub bases: [Option<u32>; 8],
+    pub memory: HostMemory,
+}
+
+impl Resources {
+    /// After a boot.
+    pub fn of(machine: &Machine) -> Resources {
+        let axes = machine.axes.iter().map(|axis| {
+            let mut ref_offset = [0.0; OFFSETS];
+            ref_offset[..axis.zero_offsets.len()].copy_from_slice(&axis.zero_offsets);
+            let rotary = axis.kind == crate::machine::AxisKind::Rotary;
+            AxisResources {
+                ref_offset,
+                mirror: false,
+                position_factor: -1.0,
+                isis_base: None,
+                isis_frequency: 1,
+                isis_norm: if rotary { 4000.0 } else { 20_000.0 },
+            }
+        });
+        Resources {
+            options: STANDARD,
+            defined: Vec::new(),
+            axes: axes.collect(),
+            aout: [0; 4],
+            ain: [0; 8],
+            fast: 0,
+            bases: [None; 8],
+            memory: HostMemory::default(),
+        }
+    }
+    /// What a boot does not change: the board, its inputs, the memory of the host.
+    pub(crate) fn keep_outside(&mut self, before: &mut Resources) {
+        (self.options, self.ain) = (before.options, before.ain);
+        self.memory = std::mem::take(&mut before.memory);
+    }
+    /// The descriptor is new, or its handle is that of the same resource.
+    pub(super) fn knows(&self, descriptor: &ObjectDescriptor) -> bool {
+        let slot = usize::try_from(i64::from(descriptor.handle) - 1);
+        descriptor.handle == 0 || slot.ok().and_then(|slot| self.defined.get(slot)) == Some(&descriptor.definition())
+    }
+    /// Gives a descriptor its handle.
+    pub(super) fn define(&mut self, descriptor: &mut ObjectDescriptor) {
+        if descriptor.handle != 0 || descriptor.device == 0 {
+            return;
+        }
+        let definition = descriptor.definition();
+        let slot = self.defined.iter().position(|d| *d == definition).unwrap_or_else(|| {
+            self.defined.push(definition);
+            self.defined.len() - 1
+        });
+        descriptor.handle = slot as i32 + 1;
+    }
+    /// Deletes all defined resources (device 0).
+    pub fn clear(&mut self) {
+        self.defined.clear();
+    }
+    /// Resources that are defined.
+    pub fn count(&self) -> usize {
+        self.defined.len()
+    }
+}
