@@ -51,7 +51,7 @@ class ResourceError(Exception):
         self.code = code
 
 
-REASONS = {
+REASONS: dict[int, str] = {
     Code.UNKNOWN: "return code 1: the board has no such resource, or not in this direction",
     Code.BUSY: "return code 2: not ready, repeat the access",
     Code.HARDWARE: "return code 8: the hardware cannot do it",

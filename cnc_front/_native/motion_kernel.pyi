@@ -15,6 +15,7 @@ __all__ = [
     "Mcu",
     "Stimulus",
     "register_bits",
+    "resource_devices",
     "trajectory_units",
 ]
 
