@@ -21,6 +21,7 @@ def add(commands: Any, common: Any, seconds: Callable[[str], float], millimetres
     batch.add_argument("--out", metavar="DIR", default="out/batch", help="results.sqlite, index.html, junit.xml ...")
     batch.add_argument("--jobs", metavar="N", type=_count, help="worker processes (default: one a core)")
     batch.add_argument("--override", metavar="SCHEDULE", default="1", help="as for run")
+    batch.add_argument("--profile", choices=("din", "fanuc", "linuxcnc", "lathe"), help="dialect of the programs")
     batch.add_argument("--tolerance", metavar="MM", type=millimetres, help="limit of the contour deviation")
     batch.add_argument("--max-time", metavar="S", type=seconds, default=86400.0, help="machine and wall time of a part")
     batch.add_argument("--max-memory", metavar="MIB", type=_count, default=0, help="memory of a worker process")

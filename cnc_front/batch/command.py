@@ -67,6 +67,8 @@ def tasks_of(paths: Sequence[str], options: argparse.Namespace, out: Path) -> li
 def run_options(options: argparse.Namespace) -> list[str]:
     """The options of `run` that hold for every part."""
     chosen = ["--max-time", repr(options.max_time), "--override", options.override]
+    if options.profile is not None:
+        chosen += ["--profile", options.profile]
     if options.tolerance is not None:
         chosen += ["--tolerance", repr(options.tolerance)]
     return chosen
@@ -74,7 +76,7 @@ def run_options(options: argparse.Namespace) -> list[str]:
 
 def arguments_of(options: argparse.Namespace) -> Callable[[Task], list[str]]:
     """The command line of `run` for a task."""
-    common, of_paths = run_options(options), ("--tolerance", "--override")
+    common, of_paths = run_options(options), ("--tolerance", "--override", "--profile")
     pairs = [common[n : n + 2] for n in range(0, len(common), 2)]
 
     def arguments(task: Task) -> list[str]:
