@@ -61,9 +61,8 @@ def main() -> None:
                 "SELECT count(*), count(DISTINCT part || machine), sum(machine_time_s) FROM results"
             ).fetchone()
     blocks, peak = 2 * lines, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
-    print(
-        f"{programs} programs, {lines} lines, {count} results, {distinct} distinct, {machine_s / 3600:.1f} machine hours"
-    )
+    hours = machine_s / 3600
+    print(f"{programs} programs of {lines} lines: {count} results, {distinct} distinct, {hours:.1f} machine hours")
     for jobs, took in seconds.items():
         print(f"{jobs} worker(s): {took:.1f} s, {took / blocks * 1e6:.1f} s per million blocks")
     print(f"speed-up {seconds[1] / seconds[most]:.2f}, largest process {peak:.0f} MiB")
