@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import random
@@ -138,7 +139,8 @@ def test_a_killed_batch_goes_on_where_it_was(parts: Path, tmp_path: Path) -> Non
         )
         time.sleep(dice.uniform(0.3, 2.5))
         kills += running.poll() is None
-        os.killpg(running.pid, signal.SIGKILL)
+        with contextlib.suppress(ProcessLookupError):  # it was done already
+            os.killpg(running.pid, signal.SIGKILL)
         running.wait()
     assert kills
     batch(parts, *machines(), "--out", out, "--reports", 1)

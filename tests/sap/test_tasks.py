@@ -337,3 +337,12 @@ def test_registers_are_those_of_the_pc() -> None:
     job.run()
     assert (job.ci(0), job.ci(1), job.ci(2), job.cd(0)) == (1, 1, 33, 1.25)
     assert job.mcu.rdsysvardbl(1) == 2.5
+
+
+@pytest.mark.shows("qual.epc")
+def test_a_program_reads_the_cycles_of_the_eeprom() -> None:
+    job = Job("begin CI0 := A1.epc; wt(1000); CI1 := A2.epc; end.")
+    job.mcu.advance(2)
+    job.mcu.program_eeprom()
+    job.run()
+    assert (job.ci(0), job.ci(1)) == (0, 1)
