@@ -123,12 +123,20 @@ def test_pages_say_what_the_store_says(parts: Path, tmp_path: Path) -> None:
     assert "2 FAIL, 0 WARN, 16 PASS" in summary
 
 
+def known(out: Path) -> int:
+    """Results that are there so far."""
+    try:
+        return len(results(out)) if (out / "results.sqlite").is_file() else 0
+    except sqlite3.OperationalError:
+        return 0  # the table is not there yet
+
+
 def test_a_killed_batch_goes_on_where_it_was(parts: Path, tmp_path: Path) -> None:
     for n in range(8, 20):
         (parts / f"part{n}.nc").write_text(program(n, 60))
     whole = tmp_path / "whole"
     batch(parts, *machines(), "--out", whole, "--reports", 1)
-    out, dice, kills = tmp_path / "out", random.Random(5), 0
+    out, dice, kills, had = tmp_path / "out", random.Random(5), 0, 0
     for _ in range(4):
         running = subprocess.Popen(
             command("batch", parts, *machines(), "--out", out, "--reports", 1),
@@ -137,7 +145,9 @@ def test_a_killed_batch_goes_on_where_it_was(parts: Path, tmp_path: Path) -> Non
             stderr=subprocess.DEVNULL,
             start_new_session=True,
         )
-        time.sleep(dice.uniform(0.3, 2.5))
+        had += dice.randint(1, 6)
+        while running.poll() is None and known(out) < had:
+            time.sleep(0.01)
         kills += running.poll() is None
         with contextlib.suppress(ProcessLookupError):  # it was done already
             os.killpg(running.pid, signal.SIGKILL)
