@@ -106,6 +106,7 @@ class _Device:
     writable: bool
     index_is_axis: bool
     sub_is_axis: bool
+    function: int | None  # Index of one of several functions of the same number
 
 
 def _devices() -> dict[str, _Device]:
@@ -120,7 +121,8 @@ DEVICES = _devices()
 
 
 class Resource:
-    """A device of the table: `[index]` or `[index, sub-index]`, `cp` with `[axis, line, column]`. Axes by name or
+    """A device of the table: `[index]` or `[index, sub-index]`, `cp` with `[axis, line, column]`,
+    functions of SyncMode with `[slave]`. Axes by name or
     index. ResourceError unless the return code is OK."""
 
     def __init__(self, resources: Resources, device: _Device) -> None:
@@ -130,6 +132,8 @@ class Resource:
         """A new descriptor of it."""
         parts = [key] if isinstance(key, str | int) else list(key)
         device = self._device
+        if device.function is not None:
+            parts.insert(0, device.function)
         number = device.first + (_whole(parts.pop()) if device.first == CP and len(parts) == 3 else 0)
         if len(parts) > 2 or not device.first <= number <= device.last:
             raise IndexError(f"{device.name}{list(parts)}: {device.name} has no such index")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cnc_front._native import motion_kernel as native
-from motion_kernel.commands import command
+from motion_kernel.commands import CommandRefused, command
 from motion_kernel.driver import AxisId, Driver, InterruptRoutine
 from motion_kernel.machine import Diagnostic, MachineError
 from motion_kernel.registers import Axst, ControllerFlags, Digi, ErrorReg, Ifs, ModeReg
@@ -206,8 +206,10 @@ class CardRegisters(Driver):
 
     @command("4.4.144", manual="wrGCR")
     def wrgcr(self, axis: AxisId, value: int) -> None:
-        """Gear configuration register, 32 bits."""
-        self._mcu.set_gcr(self._index(axis), value)
+        """Gear configuration register, 32 bits: slaves follow set points (1), actual positions (2), or nothing (0); -1
+        clears what they have followed. CommandRefused: 1 in open loop, -1 while an axis has a gcr other than 0."""
+        if not self._mcu.set_gcr(self._index(axis), value):
+            raise CommandRefused(f"gcr {value} of axis {axis}: 1 needs a closed loop, -1 needs gcr 0 at all axes")
 
     @command("4.4.114")
     def scp(self, axis: AxisId, parameters: Sequence[Sequence[float]]) -> None:

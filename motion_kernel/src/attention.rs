@@ -16,6 +16,10 @@ pub(crate) struct Attention {
     /// dpoffset on its way.
     pub offsets: AxisSet,
     pub backlash: AxisSet,
+    /// Masters of an electronic gear.
+    pub masters: AxisSet,
+    /// Slaves of SyncMode.
+    pub slaves: AxisSet,
     /// lpr and lprs.
     pub recording: bool,
     pub stimulus: bool,

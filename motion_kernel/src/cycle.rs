@@ -32,10 +32,16 @@ impl Mcu {
             self.end_waits();
         }
         for a in 0..self.axes.len() {
+            if self.attention.slaves.contains(a) {
+                self.synchronise(a);
+            }
             self.step_axis(a);
         }
         self.check_synchronism();
         self.watch_limits();
+        if !self.attention.masters.is_empty() {
+            self.follow_masters();
+        }
         self.close_sample();
         if self.attention.recording {
             self.record_analysis();

@@ -37,6 +37,8 @@ impl Mcu {
             self.loops[a].convert(counts_per_unit, ratio);
             self.axes[a].convert(counts_per_unit, ratio);
             self.signals[a].backlash.convert(ratio);
+            let resources = &mut self.resources.axes[a];
+            (resources.led, resources.followed) = (resources.led * ratio, resources.followed * ratio);
         }
         ok
     }

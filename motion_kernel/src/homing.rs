@@ -114,6 +114,7 @@ impl Mcu {
         let by = counts as f64 / self.axes[a].parameters.counts_per_unit;
         self.axes[a].shift_positions(by);
         self.signals[a].backlash.shift(by);
+        self.shift_leading(a, by);
     }
 
     /// Home acceleration hac (4.4.68), of all home commands.

@@ -61,15 +61,23 @@ impl Mcu {
         }
         self.axes[axis].parameters.dpoffset = offset;
         if self.axes[axis].parameters.dvoffset == 0.0 {
-            self.loops[axis].offset = offset;
+            self.set_effective_offset(axis, offset);
         }
-        let moves = self.loops[axis].offset != offset;
+        let moves = self.effective_offset(axis) != offset;
         let one = AxisSet::single(axis);
         self.attend_to(|attention| {
             let others = attention.offsets.without(one);
             attention.offsets = if moves { others.union(one) } else { others };
         });
         true
+    }
+    /// dpoffset as far as it is in effect: without what a gear adds.
+    fn effective_offset(&self, axis: usize) -> f64 {
+        let followed = self.resources.axes[axis].followed;
+        if followed == 0.0 { self.loops[axis].offset } else { self.loops[axis].offset - followed }
+    }
+    fn set_effective_offset(&mut self, axis: usize, offset: f64) {
+        self.loops[axis].offset = offset + self.resources.axes[axis].followed;
     }
     /// Rate at which dpoffset takes effect, axis units/s (4.4.60); 0 = at once.
     pub fn rddvoffset(&self, axis: usize) -> f64 {
@@ -86,13 +94,13 @@ impl Mcu {
     /// One sample of the way to dpoffset.
     pub(crate) fn ramp_offset(&mut self, a: usize) {
         let (goal, rate) = (self.axes[a].parameters.dpoffset, self.axes[a].parameters.dvoffset);
-        let left = goal - self.loops[a].offset;
+        let left = goal - self.effective_offset(a);
         let step = if rate == 0.0 { f64::INFINITY } else { rate * self.ta };
         if left.abs() > step {
             self.loops[a].offset += step.copysign(left);
             return;
         }
-        self.loops[a].offset = goal;
+        self.set_effective_offset(a, goal);
         self.attend_to(|attention| attention.offsets = attention.offsets.without(AxisSet::single(a)));
     }
 

@@ -122,6 +122,7 @@ impl Mcu {
         self.drop_pending(axes);
         for a in self.known(axes).iter() {
             self.enter_direct_mode(a);
+            self.release_gear(a);
             self.loops[a].open();
             self.axes[a].status.clear(Axst::cl);
             self.forget_reference(a);

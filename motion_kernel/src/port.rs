@@ -16,6 +16,9 @@ pub(crate) struct Special {
     pub flags: ControllerFlags,
     /// Dead band of the control deviation, counts (ControllerParams[8][0]).
     pub dead_band: f64,
+    /// A gear acts on the axis, and how fast it moves the set point, axis units/s.
+    pub follows: bool,
+    pub led_v: f64,
     /// SimulationMode (MODEREG bit 24), and the position that is simulated.
     pub simulated: bool,
     pub simulated_counts: i64,
@@ -31,6 +34,8 @@ impl Special {
         Special {
             port: axis.equipment.port,
             mcp_offset: 0.0,
+            follows: false,
+            led_v: 0.0,
             flags: ControllerFlags(0),
             dead_band: 0.0,
             simulated: false,
@@ -44,6 +49,7 @@ impl Special {
         let plain = Port { inverted: self.port.inverted, ..Port::default() };
         self.port != plain
             || self.mcp_offset != 0.0
+            || self.follows
             || self.flags.any(ControllerFlags::MoveControl | ControllerFlags::StopControl)
             || self.simulated
             || self.cut
@@ -133,7 +139,7 @@ impl PositionLoop {
         }
         match &mut self.drive {
             Drive::Servo { filter, per_sample, velocity, digits, .. } => {
-                let v = dv * self.counts_per_unit;
+                let v = special.with_gear(dv) * self.counts_per_unit;
                 let ahead = filter.ahead(v, (v - *velocity) * *per_sample);
                 *velocity = v;
                 let range = [special.port.min, special.port.max];

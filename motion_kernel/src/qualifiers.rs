@@ -66,6 +66,7 @@ impl Mcu {
         }
         self.loops[axis].set_rp(rp);
         self.axes[axis].dp = self.loops[axis].rp();
+        self.meet_master(axis);
         self.axes[axis].forget_queue();
         self.set_status(axis, Axst::referenced, false);
         true
@@ -95,6 +96,7 @@ impl Mcu {
         self.ol(axes);
         for a in self.known(axes).iter() {
             self.loops[a].set_rp(0.0);
+            self.meet_master(a);
             let axis = &mut self.axes[a];
             (axis.dp, axis.limiting) = (0.0, Limiting::default());
             (axis.trajectory, axis.parameters.jovr) = (Override::default(), 1.0);

@@ -190,10 +190,9 @@ impl Mcu {
         self.check(axis)?;
         Ok(self.kernel.card().axes[axis].gcr)
     }
-    fn set_gcr(&mut self, axis: usize, value: i32) -> PyResult<()> {
+    fn set_gcr(&mut self, axis: usize, value: i32) -> PyResult<bool> {
         self.check(axis)?;
-        self.kernel.card_mut().axes[axis].gcr = value;
-        Ok(())
+        Ok(self.kernel.wrGCR(axis, value))
     }
     /// The field of `scp`, row by row.
     fn controller_parameters(&self, axis: usize) -> PyResult<Vec<f64>> {

@@ -10,8 +10,9 @@ use crate::kernel::Mcu;
 
 /// handle, bus, device, index, sub-index, data type, access
 type Descriptor = (i32, i32, i32, i32, i32, i32, i32);
-/// first and last number, name, data type, readable, writable, whether Index and SubIndex are axes
-type Row = (i32, i32, &'static str, i32, bool, bool, bool, bool);
+/// first and last number, name, data type, readable, writable, whether Index and SubIndex are axes, and the Index of a
+/// function
+type Row = (i32, i32, &'static str, i32, bool, bool, bool, bool, Option<i32>);
 
 fn descriptor(d: Descriptor) -> ObjectDescriptor {
     let (handle, bus, device, index, sub_index, data_type, access) = d;
@@ -98,7 +99,8 @@ fn outside() -> PyErr {
 pub fn resource_devices() -> Vec<Row> {
     let row = |d: &Device| {
         let axes = [d.index, d.sub_index].map(|range| range == Range::Axis);
-        (d.first, d.last, d.name, d.kind as i32, d.read.is_some(), d.write.is_some(), axes[0], axes[1])
+        let function = if let Range::Only(function) = d.index { Some(function) } else { None };
+        (d.first, d.last, d.name, d.kind as i32, d.read.is_some(), d.write.is_some(), axes[0], axes[1], function)
     };
     DEVICES.iter().flat_map(|table| table.iter()).map(row).collect()
 }

@@ -5,13 +5,16 @@
 //! nothing of it costs a sample anything.
 #![allow(non_snake_case)] // the manual's own names
 
+mod gear;
 mod memory;
 mod memory_devices;
 mod state;
+mod sync;
 mod table;
 
 pub use memory::HostMemory;
 pub use state::{AxisResources, Options, Resources};
+pub use sync::Sync;
 pub use table::{DEVICES, Device, Place, Range};
 
 use crate::mcu::Mcu;
@@ -128,8 +131,8 @@ impl Mcu {
     fn resolve(&self, d: &ObjectDescriptor, access: i32, double: bool) -> Result<(&'static Device, Place), Code> {
         let resources = &self.resources;
         let known = |device: &&Device| resources.options.has(device.needs);
-        let device = table::device(d.device).filter(known).ok_or(Code::Unknown)?;
-        let kind = device.kind_of(d.index);
+        let device = table::device(d.device, d.index).filter(known).ok_or(Code::Unknown)?;
+        let kind = device.kind;
         let fits = d.data_type == kind as i32 && double == (kind == Type::Double);
         if d.bus != BUS || d.access != access || !fits || !resources.knows(d) {
             return Err(Code::Unknown);

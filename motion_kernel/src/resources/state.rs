@@ -16,6 +16,11 @@ pub struct AxisResources {
     pub ref_offset: [f64; OFFSETS],
     pub mirror: bool,
     pub position_factor: f64,
+    /// Electronic gear: where the master was a sample ago, and what the slave has followed so far, axis units.
+    pub led: f64,
+    pub followed: f64,
+    /// The axis as the slave of SyncMode.
+    pub sync: super::Sync,
     /// Base address and factors of Isis and RayDex (310, 320, 321).
     pub isis_base: Option<u32>,
     pub isis_frequency: i32,
@@ -50,6 +55,9 @@ impl Resources {
                 ref_offset,
                 mirror: false,
                 position_factor: -1.0,
+                led: 0.0,
+                followed: 0.0,
+                sync: super::Sync::default(),
                 isis_base: None,
                 isis_frequency: 1,
                 isis_norm: if rotary { 4000.0 } else { 20_000.0 },

@@ -21,6 +21,8 @@ pub enum Range {
     Axis,
     /// 0 to the number before this.
     Below(usize),
+    /// One function of several of the same device number.
+    Only(i32),
 }
 
 impl Range {
@@ -30,6 +32,7 @@ impl Range {
             Range::Any => true,
             Range::Axis => below(axes),
             Range::Below(most) => below(most),
+            Range::Only(function) => value == function,
         }
     }
 }
@@ -70,10 +73,6 @@ impl Device {
     pub(super) const fn with(self, option: Options) -> Device {
         Device { needs: Options(self.needs.0 | option.0), ..self }
     }
-    /// Data type of the function that Index chooses.
-    pub(super) fn kind_of(&self, _index: i32) -> Type {
-        self.kind
-    }
 }
 
 /// A value that was not allowed changes nothing.
@@ -98,10 +97,15 @@ const fn order(number: i32, name: &'static str, index: Range, write: Write) -> D
 }
 
 /// The tables of all rooms.
-pub static DEVICES: &[&[Device]] = &[MOTION, AXIS, CARD, super::memory_devices::DEVICES];
+pub static DEVICES: &[&[Device]] = &[MOTION, AXIS, CARD, super::memory_devices::DEVICES, super::sync::DEVICES];
 
-pub(super) fn device(number: i32) -> Option<&'static Device> {
-    DEVICES.iter().flat_map(|table| table.iter()).find(|d| (d.first..=d.last).contains(&number))
+/// The device, or of several functions the one that Index chooses.
+pub(super) fn device(number: i32, index: i32) -> Option<&'static Device> {
+    let is_it = |d: &&Device| {
+        let other = matches!(d.index, Range::Only(function) if function != index);
+        (d.first..=d.last).contains(&number) && !other
+    };
+    DEVICES.iter().flat_map(|table| table.iter()).find(is_it)
 }
 
 /// Motion: positions, velocities, the command being executed.

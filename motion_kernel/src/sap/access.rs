@@ -154,7 +154,9 @@ impl Mcu {
             CFLAGS | cflags => self.wrControllerFlags(axis, ControllerFlags(int as u32)),
             digi => self.rdigi(axis),
             digo => self.wrdigo(axis, int as u32),
-            gcr => self.card.axes[axis].gcr = int,
+            gcr => {
+                self.wrGCR(axis, int);
+            }
             ifs => self.rifs(),
             mcp => self.wrmcp(axis, int),
             sf => self.card.axes[axis].sf = int,
