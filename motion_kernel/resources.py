@@ -110,10 +110,14 @@ class _Device:
 
 
 def _devices() -> dict[str, _Device]:
-    rows = (
-        _Device(a, b, re.sub(r"\W", "", name), DataType(t), *rest) for a, b, name, t, *rest in native.resource_devices()
-    )
-    return {device.name: device for device in rows}
+    devices = {}
+    for first, last, manual, kind, *flags, function in native.resource_devices():
+        name = re.sub(r"\W", "", manual)
+        readable, writable, index_is_axis, sub_is_axis = map(bool, flags)
+        devices[name] = _Device(
+            first, last, name, DataType(kind), readable, writable, index_is_axis, sub_is_axis, function
+        )
+    return devices
 
 
 DEVICES = _devices()

@@ -13,6 +13,9 @@ use crate::mcu::Mcu;
 const RP: i32 = 1;
 const AUX: i32 = 2;
 
+/// Override of a clock that stands: a direct command divides by it to know the velocity at full clock.
+const STANDING: f64 = 1e-12;
+
 /// Synchronisation of one axis as a slave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sync {
@@ -115,7 +118,7 @@ impl Mcu {
         let before = self.guiding(&sync);
         let axis = &mut self.axes[slave];
         let saved = (axis.trajectory, axis.jovr_follows);
-        axis.trajectory.take(0.0, 0.0);
+        axis.trajectory.take(STANDING, 0.0);
         axis.jovr_follows = true;
         self.resources.axes[slave].sync = Sync { way: 0.0, before, triggered: false, moved: false, saved, ..sync };
         self.attend_to(|attention| attention.slaves = attention.slaves.union(AxisSet::single(slave)));
@@ -145,7 +148,7 @@ impl Mcu {
         let factor = (way - sync.way) / (sync.velocity.abs() * self.ta);
         sync.way = way;
         sync.moved |= sync.triggered && self.axes[slave].doing.travels();
-        self.axes[slave].trajectory.take(factor, 0.0);
+        self.axes[slave].trajectory.take(factor.max(STANDING), 0.0);
         self.resources.axes[slave].sync = sync;
     }
 }
