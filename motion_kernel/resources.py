@@ -226,6 +226,19 @@ class Resources:
         """allocPhysMem: memory of the PC. MemoryError where there is none."""
         return HostMemory(self._emulator, size)
 
+    def fit_endat(self, axis: AxisId, mt: int, bits: int = 25) -> None:
+        """The axis gets an ENDAT encoder with that many position bits (1 to 32), if its environment variable MT is 11
+        (version 2.1) or 16 (2.2); with any other none. Option ENDAT is needed besides."""
+        self._emulator.fit_endat(self._driver.axis_number(axis), mt, bits)
+
+    def disturb_endat(self, axis: AxisId, *, alarm: bool = False, crc_errors: int = 0, timeouts: int = 0) -> None:
+        """The encoder signals an alarm or not; so many of its next transfers fail. ValueError without an encoder."""
+        self._emulator.disturb_endat(self._driver.axis_number(axis), alarm, crc_errors, timeouts)
+
+    def endat_resets(self, axis: AxisId) -> int:
+        """Resets that the encoder has received."""
+        return self._emulator.endat_resets(self._driver.axis_number(axis))
+
     def set_analog_input(self, channel: int, digits: int) -> None:
         """Level of an analog input (0 to 7), 32767 = 10 V."""
         self._emulator.set_analog_input(channel, digits)

@@ -1,7 +1,7 @@
 //! The resource interface: descriptors as tuples, the table, the board and the memory of the host.
 
 use motion_kernel::registers::Options;
-use motion_kernel::resources::{Code, DEVICES, Device, ObjectDescriptor, Range};
+use motion_kernel::resources::{Code, DEVICES, Device, Endat, ObjectDescriptor, Range};
 use pyo3::exceptions::{PyIndexError, PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -75,6 +75,27 @@ impl Mcu {
     fn write_host(&mut self, address: u64, bytes: &[u8]) -> PyResult<()> {
         let place = self.kernel.resources_mut().memory.at(address, bytes.len());
         place.map(|place| place.copy_from_slice(bytes)).ok_or_else(outside)
+    }
+    /// An axis gets an ENDAT encoder by its environment variable MT (11: version 2.1, 16: 2.2; any other: none).
+    fn fit_endat(&mut self, axis: usize, mt: u32, bits: u32) -> PyResult<()> {
+        self.check(axis)?;
+        let encoder = Endat::new(bits).ok_or_else(|| PyValueError::new_err("1 to 32 position bits"))?;
+        self.kernel.resources_mut().axes[axis].endat = matches!(mt, 11 | 16).then_some(encoder);
+        Ok(())
+    }
+    /// The encoder signals an alarm or not; so many of its next transfers fail.
+    fn disturb_endat(&mut self, axis: usize, alarm: bool, crc_errors: u32, timeouts: u32) -> PyResult<()> {
+        self.check(axis)?;
+        let encoder = self.kernel.resources_mut().axes[axis].endat.as_mut();
+        let encoder = encoder.ok_or_else(|| PyValueError::new_err("the axis has no ENDAT encoder"))?;
+        encoder.alarm = alarm;
+        (encoder.crc_to_come, encoder.timeouts_to_come) = (crc_errors, timeouts);
+        Ok(())
+    }
+    /// Resets that the encoder has received.
+    fn endat_resets(&self, axis: usize) -> PyResult<u32> {
+        self.check(axis)?;
+        Ok(self.kernel.resources().axes[axis].endat.as_ref().map_or(0, |encoder| encoder.resets))
     }
     /// Analog inputs of the board as the world outside has them.
     fn set_analog_input(&mut self, channel: usize, digits: i16) -> PyResult<()> {

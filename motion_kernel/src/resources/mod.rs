@@ -5,6 +5,7 @@
 //! nothing of it costs a sample anything.
 #![allow(non_snake_case)] // the manual's own names
 
+mod endat;
 mod gear;
 mod memory;
 mod memory_devices;
@@ -12,6 +13,7 @@ mod state;
 mod sync;
 mod table;
 
+pub use endat::Endat;
 pub use memory::HostMemory;
 pub use state::{AxisResources, Options, Resources};
 pub use sync::Sync;

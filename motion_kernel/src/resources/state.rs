@@ -11,7 +11,7 @@ const STANDARD: Options = Options(Options::RESOURCE.0 | Options::PCI.0 | Options
 pub const OFFSETS: usize = 6;
 
 /// Registers of one axis that exist as resources only.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct AxisResources {
     pub ref_offset: [f64; OFFSETS],
     pub mirror: bool,
@@ -21,6 +21,8 @@ pub struct AxisResources {
     pub followed: f64,
     /// The axis as the slave of SyncMode.
     pub sync: super::Sync,
+    /// Its ENDAT encoder.
+    pub endat: Option<super::Endat>,
     /// Base address and factors of Isis and RayDex (310, 320, 321).
     pub isis_base: Option<u32>,
     pub isis_frequency: i32,
@@ -58,6 +60,7 @@ impl Resources {
                 led: 0.0,
                 followed: 0.0,
                 sync: super::Sync::default(),
+                endat: None,
                 isis_base: None,
                 isis_frequency: 1,
                 isis_norm: if rotary { 4000.0 } else { 20_000.0 },
@@ -78,6 +81,9 @@ impl Resources {
     pub(crate) fn keep_outside(&mut self, before: &mut Resources) {
         (self.options, self.ain) = (before.options, before.ain);
         self.memory = std::mem::take(&mut before.memory);
+        for (axis, before) in self.axes.iter_mut().zip(&mut before.axes) {
+            axis.endat = before.endat.take();
+        }
     }
     /// The descriptor is new, or its handle is that of the same resource.
     pub(super) fn knows(&self, descriptor: &ObjectDescriptor) -> bool {

@@ -97,7 +97,8 @@ const fn order(number: i32, name: &'static str, index: Range, write: Write) -> D
 }
 
 /// The tables of all rooms.
-pub static DEVICES: &[&[Device]] = &[MOTION, AXIS, CARD, super::memory_devices::DEVICES, super::sync::DEVICES];
+pub static DEVICES: &[&[Device]] =
+    &[MOTION, AXIS, CARD, super::memory_devices::DEVICES, super::sync::DEVICES, super::endat::DEVICES];
 
 /// The device, or of several functions the one that Index chooses.
 pub(super) fn device(number: i32, index: i32) -> Option<&'static Device> {
