@@ -110,6 +110,7 @@ def test_directions_and_data_types(mcu: Mcu) -> None:
 
 @pytest.mark.shows("res.return.index-range", "res.descriptor.subindex")
 def test_out_of_range_changes_nothing(mcu: Mcu) -> None:
+    mcu.resources.fit("RESOURCE", "ENDAT")
     for device in DEVICES.values():
         if device.index_is_axis and device.readable:
             for index in (-1, 3, 2**31 - 1):
