@@ -207,7 +207,10 @@ def test_a_flag_holds_the_integral_part() -> None:
     assert command_of_a_blocked_axis(1 << 8 | 1 << 9) == pytest.approx(1.0, abs=0.01), "StopControl, StopZero: empty"
 
 
-@pytest.mark.shows("pcap.rdpcapindex", "pcap.rdpcapindex.ret-0", "pcap.smlai", "pcap.smlri", "pcap.ssfi", "pcap.ssfni")
+@pytest.mark.shows(
+    "pcap.rdpcapindex", "pcap.rdpcapindex.ret-0", "pcap.smlai", "pcap.smlri", "pcap.ssfi", "pcap.ssfni",
+    "pcap.spda.index-resource",
+)  # fmt: skip
 def test_pcap_index(mcu: Mcu) -> None:
     mcu.smlai({"X": 5.0}, 41, ac=500.0, vl=20.0)
     mcu.smlri({"X": 5.0}, 42, ac=500.0, vl=20.0)
@@ -219,6 +222,7 @@ def test_pcap_index(mcu: Mcu) -> None:
     for _ in range(600):
         mcu.advance(1)
         seen.append(mcu.rdpcapindex("X"))
+        assert mcu.resources.PcapIndex["X"] == seen[-1]
     order = [now for before, now in itertools.pairwise(seen) if now != before]
     assert order[:2] == [41, 42] and order[-1] == 52
     assert (mcu.rddp("X"), mcu.rdci(7), mcu.rdci(8)) == (10.0, 1, 1)
