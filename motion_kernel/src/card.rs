@@ -11,6 +11,8 @@ pub const COMMON_BUFFER: usize = 1000;
 pub const APPLICATION_VARIABLES: usize = 100;
 /// Controller parameters of an axis: 15 x 15 (4.4.114).
 pub const CONTROLLER_PARAMETERS: usize = 225;
+/// ControllerParams[8][0].
+pub const DEAD_BAND: usize = 8 * 15;
 
 /// The three LEDs (4.4.79 to 4.4.81).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,6 +129,14 @@ fn check_buffer(task: usize, size: usize) -> Result<(), i32> {
 impl Mcu {
     pub fn card(&self) -> &Card {
         &self.card
+    }
+    /// Writes a controller parameter (scp), row by row: 120 is ControllerParams[8][0], the dead band of ControllerFlags
+    /// in digits (6.3.1.4).
+    pub fn set_controller_parameter(&mut self, axis: usize, cell: usize, value: f64) {
+        self.card.axes[axis].parameters[cell] = value;
+        if cell == DEAD_BAND {
+            self.set_dead_band(axis, value);
+        }
     }
     pub fn card_mut(&mut self) -> &mut Card {
         &mut self.card

@@ -115,7 +115,7 @@ impl Mcu {
         self.loops[axis].set_special(|special| special.flags = flags);
     }
     /// Dead band of the control deviation in counts for ControllerFlags (ControllerParams[8][0], 6.3.1.4).
-    pub fn set_dead_band(&mut self, axis: usize, counts: f64) {
+    pub(crate) fn set_dead_band(&mut self, axis: usize, counts: f64) {
         self.loops[axis].set_special(|special| special.dead_band = counts);
     }
     /// Counts of the encoder of a stepper axis (register aux with encoder verification, 4.4.44).

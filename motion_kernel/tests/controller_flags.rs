@@ -4,6 +4,7 @@ mod common;
 
 use common::*;
 use motion_kernel::Mcu;
+use motion_kernel::card::DEAD_BAND;
 use motion_kernel::machine::{Machine, PidfGains};
 use motion_kernel::registers::{ControllerFlags as Flags, ModeReg};
 
@@ -20,7 +21,7 @@ fn stuck(flags: Flags) -> Mcu {
 /// Integral part before and after 50 samples, standing or travelling.
 fn integral(flags: u32, travels: bool, dead_band: f64) -> (i32, i32) {
     let mut mcu = stuck(Flags(0));
-    mcu.set_dead_band(0, dead_band);
+    mcu.set_controller_parameter(0, DEAD_BAND, dead_band);
     if travels {
         line(&mut mcu, &[50.0, 0.0, 0.0], 1.0, 1000.0, 0.0);
         mcu.ssms(mcu.all_axes());

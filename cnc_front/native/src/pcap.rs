@@ -204,7 +204,9 @@ impl Mcu {
         if values.len() != CONTROLLER_PARAMETERS {
             return Err(PyValueError::new_err("15 x 15 controller parameters"));
         }
-        self.kernel.card_mut().axes[axis].parameters = values;
+        for (cell, value) in values.into_iter().enumerate() {
+            self.kernel.set_controller_parameter(axis, cell, value);
+        }
         Ok(())
     }
 

@@ -176,7 +176,13 @@ const AXIS: &[Device] = &[
         },
     ),
     double(200, "cp", |m, p| Ok(m.card.axes[p.index].parameters[cell(p)]))
-        .writing(|m, p, v| done(put(&mut m.card.axes[p.index].parameters[cell(p)], v)))
+        .writing(|m, p, v| {
+            let ok = v.is_finite();
+            if ok {
+                m.set_controller_parameter(p.index, cell(p), v);
+            }
+            done(ok)
+        })
         .with_sub(Range::Below(15))
         .up_to(214),
     double(406, "MCP OFFSET", |m, p| Ok(m.loops[p.index].special.mcp_offset)).writing(|m, p, v| {
