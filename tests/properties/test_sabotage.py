@@ -92,15 +92,23 @@ def sources(copy: Path) -> None:
 
 
 def built() -> list[Path]:
-    """The test programs of the broken workspace. They share the build of all that is not ours with `make test`."""
-    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-    sources(target / "sabotage")
+    """The test programs of the broken workspace. They have a target folder of their own: cargo names what it builds by
+    the place inside the workspace, so broken libraries would take the place of whole ones."""
+    folder = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "sabotage"
+    source, target = folder / "source", folder / "build"
+    sources(source)
     environment = os.environ | {"CARGO_TARGET_DIR": str(target)}
     only = [part for test in SUITE for part in ("--test", test)]
-    command = ["cargo", "test", "--workspace", "--locked", "--no-run", "--message-format=json-render-diagnostics"]
-    build = subprocess.run(
-        [*command, *only], cwd=target / "sabotage", env=environment, capture_output=True, text=True, check=False
-    )
+    command = [
+        "cargo",
+        "test",
+        "-p",
+        "motion_kernel",
+        "--locked",
+        "--no-run",
+        "--message-format=json-render-diagnostics",
+    ]
+    build = subprocess.run([*command, *only], cwd=source, env=environment, capture_output=True, text=True, check=False)
     assert build.returncode == 0, build.stderr[-3000:]
     messages = map(json.loads, build.stdout.splitlines())
     return [Path(m["executable"]) for m in messages if m.get("executable")]
