@@ -23,7 +23,7 @@ class TaskState:
 
     number: int
     name: str
-    #: runs, waits, step, halted, stopped, ended, error
+    #: runs, waits, step, halted, rests (not begun, stopped or at its end), error
     state: str
     line: int
     error: str
@@ -37,7 +37,6 @@ class DebugSession:
     breaks: dict[int, set[int]] = field(default_factory=dict)
     output: list[str] = field(default_factory=list)
     _lines: dict[int, list[str]] = field(default_factory=dict)
-    _stepped: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         for task in self.tasks:
@@ -70,18 +69,7 @@ class DebugSession:
         name = Path(shown(task.source.path)).name
         if errnum:
             return TaskState(task.number, name, "error", errline, f"{errnum} ({errnum:X}h)")
-        return TaskState(task.number, name, self._word(task.number, running), line, "")
-
-    def _word(self, number: int, running: int) -> str:
-        if running & HALTED:
-            return "halted"
-        if running & WAITS_FOR_STEP:
-            return "step"
-        if running & WAITS:
-            return "waits"
-        if running & EXECUTES:
-            return "runs"
-        return "stopped" if number not in self._stepped else "ended"
+        return TaskState(task.number, name, _word(running), line, "")
 
     def variables(self, number: int) -> list[tuple[str, bool, Any]]:
         """Rows of name, belongs to the main program, value; those of the routine being executed come first."""
@@ -100,22 +88,16 @@ class DebugSession:
 
     def step(self, number: int, *, over: bool = False) -> None:
         """Asks for one source line; time passes in `advance`."""
-        self._stepped.add(number)
         if over:
             self.mcu.step_over(number)
         else:
             self.mcu.stepcnct(number)
 
     def go(self, number: int) -> None:
-        """Lets a task run on to its next breakpoint, or starts it anew where it has ended."""
-        if self.state(self._task(number)).state in ("ended", "error"):
+        """Lets a task run on to its next breakpoint, or starts it anew where nothing is left to continue."""
+        self.mcu.contcnct(number)
+        if not self.mcu.rdcncts(number)[2] & EXECUTES:
             self.mcu.startcnct(number)
-        else:
-            self.mcu.contcnct(number)
-        self._stepped.add(number)
-
-    def _task(self, number: int) -> Task:
-        return next(task for task in self.tasks if task.number == number)
 
     def pause(self, number: int) -> None:
         """Stops a task before its next line."""
@@ -129,6 +111,11 @@ class DebugSession:
             text = self.mcu.take_output(task.number)
             self.output += [f"{task.number}: {line}" for line in text.splitlines()]
         del self.output[:-OUTPUT_LINES]
+
+
+def _word(running: int) -> str:
+    bits = ((HALTED, "halted"), (WAITS_FOR_STEP, "step"), (WAITS, "waits"), (EXECUTES, "runs"))
+    return next((word for bit, word in bits if running & bit), "rests")
 
 
 def debug_session(machine: Any, tasks: list[Task]) -> DebugSession:

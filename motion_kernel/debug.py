@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from motion_kernel.driver import Driver
 from motion_kernel.structures import TaskStatus
 
@@ -74,11 +72,6 @@ class TaskView:
             if not self.status.running & 1:
                 return False
         return False
-
-    def __iter__(self) -> Iterator[int]:
-        """Steps through the program: the line before each step."""
-        while self.step():
-            yield self.line
 
 
 class Debugging(Driver):

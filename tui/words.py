@@ -8,8 +8,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "task_waits": ("waits", "wartet"),
     "task_step": ("before a step", "vor einem Schritt"),
     "task_halted": ("halted at writeln", "hält bei writeln"),
-    "task_stopped": ("stopped", "gestoppt"),
-    "task_ended": ("ended", "beendet"),
+    "task_rests": ("at rest", "in Ruhe"),
     "task_error": ("RUNTIME ERROR", "LAUFZEITFEHLER"),
     "debug_keys": (
         " s step  o over  c go  a all go  p pause  b breakpoint  up/down  t task  q quit",

@@ -38,9 +38,9 @@ OTHER = "begin\n  while true do begin\n    CI5 := CI5 + 1;\n    wt(1000);\n  end
 Play = Callable[[Pilot[None], Debugger], Awaitable[None]]
 
 
-def played(tmp_path: Path, play: Play, *, language: str = "en", theme: str = "dark") -> None:
+def played(tmp_path: Path, play: Play, *, text: str = TEXT, language: str = "en", theme: str = "dark") -> None:
     """Runs a script of keys on the screen."""
-    (tmp_path / "loops.src").write_text(TEXT)
+    (tmp_path / "loops.src").write_text(text)
     (tmp_path / "other.src").write_text(OTHER)
     jobs = {"job": str(tmp_path / "loops.src"), "task": [f"2={tmp_path / 'other.src'}"]}
     options = argparse.Namespace(**jobs, machine=None, language=None, lang=language)
@@ -89,13 +89,13 @@ def test_breakpoints_stop_the_task(tmp_path: Path) -> None:
     async def play(pilot: Pilot[None], app: Debugger) -> None:
         await pilot.press("s", *["down"] * 2, "b")
         line = app.cursor
-        assert f"*  {line:>4}" in shown(app, "source").replace("* ", "*  ", 1) or "*" in shown(app, "source")
+        assert [row[2:7].strip() for row in shown(app, "source").splitlines() if row[0] == "*"] == [str(line)]
         await pilot.press("c")
         await pilot.pause(0.3)
         assert app.session.state(app.session.tasks[0]).line == line
         await pilot.press("b", "c")
         await pilot.pause(2.0)
-        assert "ended" in shown(app, "head") and "0: mean 3.0" in shown(app, "output")
+        assert "at rest" in shown(app, "head") and "0: mean 3.0" in shown(app, "output")
 
     played(tmp_path, play)
 
@@ -135,9 +135,17 @@ def test_a_runtime_error_is_shown_at_its_line(tmp_path: Path) -> None:
         await pilot.pause(0.3)
         assert "RUNTIME ERROR" in shown(app, "head"), "started anew, and again"
 
-    global TEXT
-    before, TEXT = TEXT, "var i : integer;\nbegin\n  CI0 := 1 / i;\nend.\n"
-    try:
-        played(tmp_path, play)
-    finally:
-        TEXT = before
+    played(tmp_path, play, text="var i : integer;\nbegin\n  CI0 := 1 / i;\nend.\n")
+
+
+def test_a_task_that_has_stopped_itself_goes_on_behind_it(tmp_path: Path) -> None:
+    async def play(pilot: Pilot[None], app: Debugger) -> None:
+        for seen in (1, 2):
+            await pilot.press("c")
+            await pilot.pause(0.3)
+            assert app.session.mcu.rdci(0) == seen
+        await pilot.press("c")
+        await pilot.pause(0.3)
+        assert app.session.mcu.rdci(0) == 1, "at its end it starts anew"
+
+    played(tmp_path, play, text="begin\n  CI0 := 1;\n  stop;\n  CI0 := 2;\nend.\n")
