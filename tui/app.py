@@ -26,14 +26,14 @@ from tui.keys import KEYS, SETTLE_S
 from tui.look import Look
 from tui.messages import Messages
 from tui.operation import HIGH, LOW, Operation
-from tui.page import VIEWS, Areas, Parts, run_page, value_rows
-from tui.panels import Changes, Check, alarm_rows, files_beginning, help_rows, jobs_rows, service_rows
+from tui.pages import PAGES, Page
+from tui.pages.jobs import Check, JobsPage
 from tui.plot import PathPicture
 from tui.program import ProgramView, find_block
 from tui.rows import Row
 from tui.states import FACES
 from tui.values import Shown
-from tui.widgets import Body, PathField, Rows
+from tui.widgets import Body, Rows
 from tui.words import Words
 
 REFRESH_S = 0.1
@@ -63,11 +63,11 @@ class Terminal(App[None]):
     Screen { layout: vertical; overflow: hidden; }
     Rows { height: 1; width: 100%; }
     #body { height: 1fr; }
-    #path { display: none; height: 1; border: none; padding: 0 1; background: $background; color: $foreground; }
-    #path:focus { border: none; }
+    .field { display: none; height: 1; border: none; padding: 0 1; background: $background; color: $foreground; }
+    .field:focus { border: none; }
     """
     BINDINGS: ClassVar = [
-        Binding(key.keys, key.action, key.english, show=False, priority=key.everywhere) for key in KEYS
+        Binding(key.keys, key.target, key.english, show=False, priority=key.everywhere) for key in KEYS
     ]
 
     def __init__(
@@ -93,29 +93,25 @@ class Terminal(App[None]):
         else:
             self.theme = "ansi-dark"
         self.engine, self.look, self.words, self.clock = engine, look, words, clock
-        self._first_job, self._paced, self._settle_s = job, paced, settle_s
+        self._first_job, self.paced, self._settle_s = job, paced, settle_s
         self.switches = switches or Switches()
         self.messages = Messages(words)
         self.operation = Operation(engine, words, self.say)
         self.picture, self.program = PathPicture(look), ProgramView(look)
         self.job: Job | None = None
-        self.check = Check()
-        self.page, self.view = "run", "both"
-        self.areas = Areas()
-        self._changes = Changes()
-        self._top = 0
-        self._files: list[str] = []
-        self._file = 0
+        self.pages: dict[str, Page] = {page.name: page(self) for page in PAGES}
+        self.page = self.pages["run"]
         self._seen = (engine.snapshot(), time.monotonic())
         self._beat, self._pulse_s = time.monotonic(), REFRESH_S
         self._key_at = 0.0
-        self._ticks = 0
-        self._values: tuple[object, list[Strip]] = (None, [])
 
     def compose(self) -> ComposeResult:
         """Header, body, message line and key line stay in place on all pages."""
         yield Rows(self.look.bar, "header")
-        yield PathField(id="path", compact=True, select_on_focus=False)
+        for page in self.pages.values():
+            if page.field is not None:
+                page.field.add_class("field")
+                yield page.field
         yield Body(self.look.text, "body")
         yield Rows(self.look.text, "message")
         yield Rows(self.look.bar, "keys")
@@ -125,7 +121,7 @@ class Terminal(App[None]):
         self.screen.set_focus(None)
         if self._first_job is not None:
             self.load(self._first_job)
-        if self._paced:
+        if self.paced:
             self.set_interval(REFRESH_S, self._beat_once)
         self.tick()
 
@@ -150,14 +146,13 @@ class Terminal(App[None]):
         if snapshot is not self._seen[0]:
             self._seen = (snapshot, now)
         age = now - self._seen[1]
-        stale = age if self._paced and age > STALE_S else 0.0
+        stale = age if self.paced and age > STALE_S else 0.0
         return Shown(snapshot, self.job, self.look, self.words, stale, self._pulse_s)
 
     def tick(self) -> None:
         """Draws one frame, unless the terminal is behind; the next regular one then shows what changed."""
         if not self.is_running or not self.screen_stack or self.is_behind:
             return
-        self._ticks += 1
         shown, base = self.shown(), self.screen_stack[0]
         if self.job is not None:
             self.picture.driven(*self.engine.new_deviation(self.picture.reached))
@@ -171,7 +166,7 @@ class Terminal(App[None]):
             body.put([Row(self.look.text).strip(width)])
         else:
             top.put([self._header(shown, width)])
-            body.put(self._body(shown, width, height - FRAME - (self.page == "jobs")))
+            body.put(self.page.visible(shown, width, height - FRAME - (self.page.field is not None)))
         line = message_row(text, getattr(self.look, style), self.look, self.words, more, width)
         base.query_one("#message", Rows).put([line])
         base.query_one("#keys", Rows).put([key_row(self.look, self.words, width)])
@@ -181,34 +176,6 @@ class Terminal(App[None]):
         switches = (("M01", on.optional_stop), ("SKP", on.skip), ("SB", shown.snapshot.single_block))
         warnings = len(self.job.warnings) + bool(self.picture.over) if self.job else 0
         return header(shown, switches, warnings, self.clock(), width)
-
-    def _body(self, shown: Shown, width: int, height: int) -> list[Strip]:
-        if self.page == "run":
-            parts = Parts(shown, self.picture, self.program)
-            rows, self.areas = run_page(parts, self._numbers(shown, width, height), self.view, width, height)
-            return rows
-        self.areas = Areas()
-        if self.page == "jobs":
-            return self._cut(jobs_rows(shown, self._files, self._file, self.check, width, height), width, height)
-        if self.page == "help":
-            rows = help_rows(self.look, self.words, width)
-        elif self.page == "alarms":
-            rows = alarm_rows(shown, self.messages.log, width)
-        else:
-            rows = service_rows(shown, self._changes, time.monotonic(), width)
-        self._top = max(0, min(self._top, len(rows) - height))
-        return self._cut(rows[self._top :], width, height)
-
-    def _cut(self, rows: list[Strip], width: int, height: int) -> list[Strip]:
-        return rows[:height] + [Row(self.look.text).strip(width)] * (height - len(rows))
-
-    def _numbers(self, shown: Shown, width: int, height: int) -> list[Strip]:
-        """Numbers change at most at 5 Hz: faster nobody reads them; a change of state shows at once."""
-        s = shown.snapshot
-        key = (s.state, s.override_set, len(s.axes), shown.job, self.view, width, height, bool(shown.stale_s))
-        if self._values[0] != key or self._ticks % 2 or not self._paced:
-            self._values = (key, value_rows(shown, self.view, width, height))
-        return self._values[1]
 
     def say(self, text: str) -> None:
         """Puts a message into the message line and the log."""
@@ -235,15 +202,21 @@ class Terminal(App[None]):
             self.call_from_thread(self._take, job)
 
     def _take(self, job: Job) -> None:
-        self.job, self.check = job, Check(job.name, job)
+        self.job = job
+        self._checked(Check(job.name, job))
         self.picture.take(job)
         self.program.take(job.lines)
         total = self.engine.snapshot().path_total_mm
         self.say(self.words("loaded", name=job.name, lines=len(job.lines), path=total))
         self.tick()
 
+    def _checked(self, check: Check) -> None:
+        page = self.pages["jobs"]
+        if isinstance(page, JobsPage):
+            page.check = check
+
     def _refused(self, path: str, findings: tuple[Diagnostic, ...]) -> None:
-        self.check = Check(path, None, findings)
+        self._checked(Check(path, None, findings))
         errors = [finding for finding in findings if not finding.is_warning] or list(findings)
         if errors:
             first = errors[0]
@@ -261,11 +234,11 @@ class Terminal(App[None]):
         await super().on_event(event)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """In a text field Space is a blank; Tab belongs to the jobs page; questions take only what is everywhere."""
+        """In a text field Space is a blank; keys of a page count only there; questions take what is everywhere."""
         if action == "hold":
             return not isinstance(self.focused, Input)
-        if action == "complete":
-            return self.page == "jobs" and len(self.screen_stack) == 1
+        if action == "on_page":
+            return bool(parameters) and parameters[0] == self.page.name and len(self.screen_stack) == 1
         if action in {"reset", "ask_quit"}:
             return len(self.screen_stack) == 1
         return True
@@ -273,7 +246,7 @@ class Terminal(App[None]):
     def action_hold(self) -> None:
         """Feed hold; its effect shows at once, not with the next regular frame."""
         self.operation.hold()
-        if self._paced:
+        if self.paced:
             for seconds in ECHO_S:
                 self.set_timer(seconds, self.tick)
 
@@ -282,7 +255,7 @@ class Terminal(App[None]):
         self.action_hold()
         if isinstance(self.screen, Question):
             self.screen.answer(None)
-        elif self.page != "run":
+        elif not self.page.escape() and self.page.name != "run":
             self.action_show("run")
 
     def action_start(self) -> None:
@@ -347,56 +320,27 @@ class Terminal(App[None]):
 
     # ---- keys: looking
 
-    def action_show(self, page: str) -> None:
+    def action_show(self, name: str) -> None:
         """Another page; text fields are left."""
         if len(self.screen_stack) > 1:
             return
-        self.page, self._top = page, 0
-        field = self.query_one("#path", Input)
-        field.display = page == "jobs"
-        if page == "jobs":
-            field.border_title = None
-            field.placeholder = self.words("jobs_title")
-            field.focus()
-            self._list(field.value)
-        else:
-            self.screen.set_focus(None)
+        self.page.leave()
+        self.screen.set_focus(None)
+        self.page = self.pages[name]
+        for page in self.pages.values():
+            if page.field is not None:
+                page.field.display = page is self.page
+        self.page.enter()
         self.call_after_refresh(self.tick)
 
-    def action_view(self) -> None:
-        """The next view of the run page."""
-        self.view = VIEWS[(VIEWS.index(self.view) + 1) % len(VIEWS)]
-        self.tick()
-
-    def action_fit(self) -> None:
-        """The whole path."""
-        self.picture.fit_all()
-        self.tick()
-
-    def action_zoom(self, steps: int) -> None:
-        """Nearer or farther."""
-        self.picture.zoom(steps)
-        self.tick()
-
-    def action_pan(self, x: int, y: int) -> None:
-        """Moves the window on the path by a quarter."""
-        area = self.areas.picture
-        self.picture.pan(x * area.width // 4, y * area.height // 4)
+    def action_on_page(self, _: str, name: str, arguments: tuple[int, ...]) -> None:
+        """A key of the page that is shown."""
+        getattr(self.page, f"key_{name}")(*arguments)
         self.tick()
 
     def action_scroll(self, by: int) -> None:
-        """Moves the cursor in the program or in the list of files, else the page."""
-        if self.page == "run":
-            self.program.move(by, self.engine.snapshot().line)
-        elif self.page == "jobs":
-            self._file = max(0, min(self._file + by, len(self._files) - 1))
-        else:
-            self._top += by
-        self.tick()
-
-    def action_current(self) -> None:
-        """Back to the current block."""
-        self.program.choose(0)
+        """Arrows and page keys belong to the page."""
+        self.page.scroll(by)
         self.tick()
 
     def action_goto(self) -> None:
@@ -411,7 +355,7 @@ class Terminal(App[None]):
         if line is None:
             self.say(self.words("goto_none", text=text.strip()[:20]))
         else:
-            self.page = "run"
+            self.action_show("run")
             self.program.choose(line)
         self.tick()
 
@@ -420,60 +364,34 @@ class Terminal(App[None]):
         self.messages.next()
         self.tick()
 
-    # ---- jobs page
-
-    def _list(self, text: str) -> None:
-        self._files, self._file = files_beginning(text), 0
+    # ---- what belongs to the page
 
     def on_input_changed(self, event: Input.Changed) -> None:
-        """Lists what begins with what was typed."""
-        if event.input.id == "path":
-            self._list(event.value)
+        """Its text field."""
+        if event.input is self.page.field:
+            self.page.typed(event.value)
             self.tick()
-
-    def action_complete(self) -> None:
-        """Takes the chosen file into the text field."""
-        if self._files:
-            field = self.query_one("#path", Input)
-            field.value = self._files[self._file]
-            field.cursor_position = len(field.value)
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Opens the chosen file, or exactly what was typed; a folder is entered."""
-        if self.operation.confirm():
-            return
-        path = self._files[self._file] if self._files else event.value.strip()
-        if path.endswith("/"):
-            self.action_complete()
-        elif path:
-            self.load(path)
-
-    # ---- mouse
+        """Enter in its text field, unless a reset was announced."""
+        if not self.operation.confirm():
+            self.page.submitted(event.value)
+            self.tick()
 
     def on_body_clicked(self, event: Body.Clicked) -> None:
-        """A click chooses a block, in the program or by its path."""
-        if self.areas.program.contains(event.x, event.y):
-            line = self.program.line_at(event.y - self.areas.program.y)
-        elif self.areas.picture.contains(event.x, event.y):
-            line = self.picture.line_at(event.x - self.areas.picture.x, event.y - self.areas.picture.y)
-        else:
-            line = None
-        if line is not None:
-            self.program.choose(line)
-            self.tick()
+        """Mouse: click."""
+        self.page.clicked(event)
+        self.tick()
 
     def on_body_wheel(self, event: Body.Wheel) -> None:
-        """The wheel zooms the path and scrolls what else there is."""
-        if self.areas.picture.contains(event.x, event.y):
-            self.action_zoom(-event.by)
-        else:
-            self.action_scroll(3 * event.by)
+        """Mouse: wheel."""
+        self.page.wheel(event)
+        self.tick()
 
     def on_body_dragged(self, event: Body.Dragged) -> None:
-        """Dragging moves the window on the path."""
-        if self.areas.picture.contains(event.x, event.y):
-            self.picture.pan(-event.dx, event.dy)
-            self.tick()
+        """Mouse: drag."""
+        self.page.dragged(event)
+        self.tick()
 
     def on_resize(self) -> None:
         """Another size, another layout: at once."""

@@ -15,6 +15,13 @@ class Key:
     english: str
     german: str
     everywhere: bool = False  # taken before a dialog or text field sees the key
+    page: str = ""  # the page on which it counts; empty: on all
+
+    @property
+    def target(self) -> str:
+        """The action as Textual's bindings name it."""
+        name, _, rest = self.action.rstrip(")").partition("(")
+        return f"on_page('{self.page}','{name}',({rest}{',' if rest else ''}))" if self.page else self.action
 
 
 KEYS: tuple[Key, ...] = (
@@ -40,20 +47,35 @@ KEYS: tuple[Key, ...] = (
         "reset", "ctrl+x", "^X Enter", "reset: abort, spooler dropped", "Reset: Abbruch, Spooler leer", everywhere=True
     ),
     Key("confirm", "enter", "Enter", "confirms what was announced", "bestätigt Angekündigtes"),
-    Key("complete", "tab", "Tab", "jobs: take the file into the field", "Aufträge: Datei ins Feld", everywhere=True),
-    Key("view", "v", "v", "view: program+path, path, values", "Sicht: Programm+Bahn, Bahn, Werte"),
-    Key("fit", "f", "f", "whole path in the picture", "ganze Bahn im Bild"),
-    Key("zoom(1)", "0", "0", "zoom in (wheel too)", "Bild größer (auch Mausrad)"),
-    Key("zoom(-1)", "9", "9", "zoom out", "Bild kleiner"),
-    Key("pan(-1,0)", "shift+left", "Shift+arrows", "pan the picture (or drag)", "Bild schieben (oder ziehen)"),
-    Key("pan(1,0)", "shift+right", "", "", ""),
-    Key("pan(0,1)", "shift+up", "", "", ""),
-    Key("pan(0,-1)", "shift+down", "", "", ""),
+    Key(
+        "complete",
+        "tab",
+        "Tab",
+        "jobs: take the file into the field",
+        "Aufträge: Datei ins Feld",
+        everywhere=True,
+        page="jobs",
+    ),
+    Key("view", "v", "v", "view: program+path, path, values", "Sicht: Programm+Bahn, Bahn, Werte", page="run"),
+    Key("fit", "f", "f", "whole path in the picture", "ganze Bahn im Bild", page="run"),
+    Key("zoom(1)", "0", "0", "zoom in (wheel too)", "Bild größer (auch Mausrad)", page="run"),
+    Key("zoom(-1)", "9", "9", "zoom out", "Bild kleiner", page="run"),
+    Key(
+        "pan(-1,0)",
+        "shift+left",
+        "Shift+arrows",
+        "pan the picture (or drag)",
+        "Bild schieben (oder ziehen)",
+        page="run",
+    ),
+    Key("pan(1,0)", "shift+right", "", "", "", page="run"),
+    Key("pan(0,1)", "shift+up", "", "", "", page="run"),
+    Key("pan(0,-1)", "shift+down", "", "", "", page="run"),
     Key("scroll(-1)", "up", "Up/Down", "program, list: by a line", "Programm, Liste: zeilenweise"),
     Key("scroll(1)", "down", "", "", ""),
     Key("scroll(-20)", "pageup", "PgUp/PgDn", "program, list: by a page", "Programm, Liste: seitenweise"),
     Key("scroll(20)", "pagedown", "", "", ""),
-    Key("current", "c", "c", "back to the current block", "zurück zum laufenden Satz"),
+    Key("current", "c", "c", "back to the current block", "zurück zum laufenden Satz", page="run"),
     Key("goto", "g", "g", "go to block or line", "gehe zu Satz oder Zeile"),
     Key("next_message", "n", "n", "next message", "nächste Meldung"),
     Key("show('help')", "f1,1,question_mark", "F1 1 ?", "this page", "diese Seite"),

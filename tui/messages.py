@@ -5,11 +5,11 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Iterator
+from dataclasses import dataclass
 from datetime import datetime
 
 from cnc_front.engine import Snapshot, State
 from cnc_front.german import one_line
-from tui.panels import Logged
 from tui.program import block_name
 from tui.states import FACES, RESUMABLE
 from tui.values import Shown
@@ -19,6 +19,15 @@ from tui.words import Words
 SAID_S = 8.0
 #: Lines of the log kept.
 LOG = 500
+
+
+@dataclass(frozen=True, slots=True)
+class Logged:
+    """One line of the log of this session."""
+
+    clock: str
+    code: str
+    text: str
 
 
 class Messages:

@@ -52,7 +52,7 @@ class Rows(Widget):
 
 
 class PathField(Input):
-    """A path to type; the arrows belong to the list of files below it."""
+    """A path to type; the arrows belong to the page below it."""
 
     BINDINGS: ClassVar = [
         Binding("up", "app.scroll(-1)", show=False),
@@ -60,6 +60,9 @@ class PathField(Input):
         Binding("pageup", "app.scroll(-20)", show=False),
         Binding("pagedown", "app.scroll(20)", show=False),
     ]
+
+    def __init__(self, placeholder: str, id: str) -> None:
+        super().__init__(id=id, placeholder=placeholder, compact=True, select_on_focus=False)
 
 
 class Body(Rows):

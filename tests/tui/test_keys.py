@@ -16,6 +16,7 @@ from tests.tui.fake import FakeEngine, make_job
 from tests.tui.stage import NARROW, Stage, play
 from tui.keys import KEYS, LATE_S
 from tui.operation import SPEEDS
+from tui.pages import PAGES
 
 
 def ready() -> FakeEngine:
@@ -249,7 +250,7 @@ def test_clicks_choose_blocks_and_never_move_an_axis() -> None:
         stage.engine.run_half()
         await stage.frame()
         stage.engine.calls.clear()
-        area = stage.app.areas.program
+        area = stage.app.pages["run"].areas.program
         await stage.pilot.click("#body", offset=(area.x + 5, area.y + 3))
         assert stage.app.program.chosen == 4
         rows = (await stage.frame()).splitlines()
@@ -295,7 +296,7 @@ def test_a_job_that_does_not_compile_is_explained_and_the_loaded_one_stays() -> 
     async def script(stage: Stage) -> None:
         await stage.load()
         stage.app.load("bad.nc")
-        await stage.until(lambda: stage.app.check.findings)
+        await stage.until(lambda: stage.app.pages["jobs"].check.findings)
         assert "GC801 bad.nc:4:11: axis W is not configured" in stage.message
         assert stage.app.job is stage.engine.job
         await stage.press("f2")
@@ -334,7 +335,7 @@ def test_old_values_are_marked() -> None:
         await stage.load()
         stage.engine.run_half()
         assert "+49.9170?" not in await stage.frame()
-        stage.app._paced = True  # age counts only where frames come by themselves
+        stage.app.paced = True  # age counts only where frames come by themselves
         stage.app._seen = (stage.engine.now, time.monotonic() - 2.0)
         stage.app.tick()
         await stage.pilot.pause()
@@ -346,10 +347,12 @@ def test_old_values_are_marked() -> None:
 def test_every_key_of_the_table_has_an_action_and_help() -> None:
     from tui.app import Terminal
 
-    taken = [key for row in KEYS for key in row.keys.split(",")]
+    taken = [(key, row.page) for row in KEYS for key in row.keys.split(",")]
     assert len(taken) == len(set(taken))
+    pages = {page.name: page for page in PAGES}
     for row in KEYS:
-        assert hasattr(Terminal, f"action_{row.action.split('(')[0]}"), row
+        name = row.action.split("(")[0]
+        assert hasattr(pages[row.page], f"key_{name}") if row.page else hasattr(Terminal, f"action_{name}"), row
         assert bool(row.english) == bool(row.german) == bool(row.shown)
 
 

@@ -1,117 +1,75 @@
-"""The pages that fill the screen between header and message line: help, alarms, service, jobs."""
+"""Jobs: files to open, and what the load check found."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from textwrap import wrap
+from typing import TYPE_CHECKING
 
-from rich.style import Style
 from textual.strip import Strip
 
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.engine import Job
-from tui.keys import KEYS
 from tui.look import Look
-from tui.program import block_name
+from tui.pages.base import Page
 from tui.rows import Row
-from tui.states import FACES
 from tui.values import Shown, minutes
+from tui.widgets import PathField
 from tui.words import Words
 
-#: Values that changed are marked for so long, s.
-MARK_S = 2.0
-#: Files listed in the jobs page.
+if TYPE_CHECKING:
+    from tui.app import Terminal
+
+#: Files listed.
 _FILES = 200
 _JOB_ENDINGS = {".nc", ".ngc", ".gcode", ".tap", ".mpf", ".spf", ".cnc", ".din", ".iso", ".txt", ".src"}
 
 
-@dataclass(frozen=True, slots=True)
-class Logged:
-    """One line of the log of this session."""
+class JobsPage(Page):
+    """A path to type, the files that begin with it, the check of what was opened last."""
 
-    clock: str
-    code: str
-    text: str
+    name = "jobs"
 
+    def __init__(self, app: Terminal) -> None:
+        super().__init__(app)
+        self.field = PathField(app.words("jobs_title"), id="path")
+        self.check = Check()
+        self._files: list[str] = []
+        self._file = 0
 
-def help_rows(look: Look, words: Words, width: int) -> list[Strip]:
-    """All keys, then all states, from their tables."""
-    rows = [Row(look.strong).add(f" {words('help_title')}"), Row(look.warn).add(f" {words('help_stop')}")]
-    for key in KEYS:
-        if key.shown:
-            text = words.pick(key.english, key.german)
-            rows.append(Row(look.text).add(f"  {key.shown}", look.strong).at(16, text))
-    rows += [Row(look.text), Row(look.strong).add(f" {words('help_states')}")]
-    for face in FACES.values():
-        row = (
-            Row(look.text)
-            .add("  ")
-            .add(f"{face.symbol} {words.pick(face.english, face.german)}", _face(look, face.style))
-        )
-        rows.append(row.at(18, words.pick(*face.leaves_by)))
-    rows.append(Row(look.dim).add(f" {words('help_scroll')}"))
-    return [row.strip(width) for row in rows]
+    def rows(self, shown: Shown, width: int, height: int) -> list[Strip]:
+        """As many files as there is room for, then the check."""
+        return jobs_rows(shown, self._files, self._file, self.check, width, height)
 
+    def enter(self) -> None:
+        """Lists anew."""
+        super().enter()
+        if self.field is not None:
+            self.typed(self.field.value)
 
-def _face(look: Look, name: str) -> Style:
-    style: Style = getattr(look, name)
-    return style
+    def scroll(self, by: int) -> None:
+        """Another file."""
+        self._file = max(0, min(self._file + by, len(self._files) - 1))
 
+    def typed(self, text: str) -> None:
+        """Lists what begins with what was typed."""
+        self._files, self._file = files_beginning(text), 0
 
-def alarm_rows(shown: Shown, log: Sequence[Logged], width: int) -> list[Strip]:
-    """What the controller reports as faults, then what happened, newest first."""
-    look, words = shown.look, shown.words
-    rows = [Row(look.strong).add(f" {words('alarms_title')}"), Row(look.dim).add(f"  {words('alarm_head')}")]
-    lines = shown.job.lines if shown.job else ()
-    for alarm in shown.snapshot.alarms:
-        row = Row(look.bad).add(f"  {alarm.t_s:9.3f} s").at(14, alarm.code).at(20, alarm.axis)
-        block = block_name(lines, alarm.line) if alarm.line else ""
-        rows.append(row.at(26, block).at(35, ("!! " if alarm.stopped else "") + alarm.text))
-    if not shown.snapshot.alarms:
-        rows.append(Row(look.text).add(f"  {words('alarms_none')}"))
-    rows += [Row(look.text), Row(look.strong).add(f" {words('log_title')}")]
-    rows += [Row(look.text).add(f"  {entry.clock}  {entry.code:<6}{entry.text}") for entry in reversed(log)]
-    return [row.strip(width) for row in rows]
+    def key_complete(self) -> None:
+        """Takes the chosen file into the text field."""
+        if self._files and self.field is not None:
+            self.field.value = self._files[self._file]
+            self.field.cursor_position = len(self.field.value)
 
-
-@dataclass(slots=True)
-class Changes:
-    """Remembers when each value of the service page last changed."""
-
-    _values: dict[str, str] = field(default_factory=dict)
-    _at: dict[str, float] = field(default_factory=dict)
-
-    def is_fresh(self, name: str, value: str, now: float) -> bool:
-        """Whether a value changed within the last two seconds."""
-        if name in self._values and self._values[name] != value:
-            self._at[name] = now
-        self._values[name] = value
-        return now - self._at.get(name, -MARK_S) < MARK_S
-
-
-def service_rows(shown: Shown, changes: Changes, now: float, width: int) -> list[Strip]:
-    """Per axis what the controller reports; changed values are marked with `*`."""
-    look, words = shown.look, shown.words
-    rows = [Row(look.strong).add(f" {words('service_title')}"), Row(look.dim).add(f" {words('service_head')}")]
-    for axis in shown.snapshot.axes:
-        values = (
-            (16, f"{axis.command:+.4f}"),
-            (28, f"{axis.actual:+.4f}"),
-            (37, f"{round(axis.following, 4) + 0.0:+.4f}"),
-            (46, f"{axis.mpe:g}"),
-            (54, f"{axis.spool_fill * 100:.0f} %"),
-        )
-        row = Row(shown.value).add(f" {axis.name} {axis.unit}", look.strong)
-        for end, text in values:
-            row.until(end, text)
-        bits = " ".join(axis.bits)
-        fresh = changes.is_fresh(axis.name, bits, now)
-        rows.append(row.at(55, "*" if fresh else " ", look.warn).add(" " + bits, look.warn if fresh else shown.value))
-        if not axis.referenced:
-            rows.append(Row(look.warn).at(57, words("not_referenced")))
-    return [row.strip(width) for row in rows]
+    def submitted(self, text: str) -> None:
+        """Opens the chosen file, or exactly what was typed; a folder is entered."""
+        path = self._files[self._file] if self._files else text.strip()
+        if path.endswith("/"):
+            self.key_complete()
+        elif path:
+            self.app.load(path)
 
 
 @dataclass(slots=True)

@@ -1,18 +1,24 @@
-"""The run page: where values, program and path stand at each size and in each view (ui-guide section 2)."""
+"""Run: where values, program and path stand at each size and in each view (ui-guide section 2)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from textwrap import wrap
+from typing import TYPE_CHECKING
 
 from textual.geometry import Region
 from textual.strip import Strip
 
+from tui.pages.base import Page
 from tui.plot import PathPicture
 from tui.program import ProgramView
 from tui.rows import Row, beside
 from tui.values import WIDE, Shown, compact_rows, short_row, wide_rows
+from tui.widgets import Body
+
+if TYPE_CHECKING:
+    from tui.app import Terminal
 
 VIEWS = ("both", "path", "values")
 #: From this size of the whole screen on, values stand beside the path, not above it.
@@ -20,6 +26,87 @@ WIDE_COLUMNS, WIDE_ROWS = 110, 32
 #: Width of the program at 80 columns.
 NARROW = 37
 NOWHERE = Region(0, 0, 0, 0)
+
+
+class RunPage(Page):
+    """Values, program and path."""
+
+    name = "run"
+
+    def __init__(self, app: Terminal) -> None:
+        super().__init__(app)
+        self.view = VIEWS[0]
+        self.areas = Areas()
+        self._frames = 0
+        self._values: tuple[object, list[Strip]] = (None, [])
+
+    def rows(self, shown: Shown, width: int, height: int) -> list[Strip]:
+        """It fills the screen at every size."""
+        parts = Parts(shown, self.app.picture, self.app.program)
+        rows, self.areas = run_page(parts, self._numbers(shown, width, height), self.view, width, height)
+        return rows
+
+    def _numbers(self, shown: Shown, width: int, height: int) -> list[Strip]:
+        """Numbers change at most at 5 Hz: faster nobody reads them; a change of state shows at once."""
+        s = shown.snapshot
+        self._frames += 1
+        key = (s.state, s.override_set, len(s.axes), shown.job, self.view, width, height, bool(shown.stale_s))
+        if self._values[0] != key or self._frames % 2 or not self.app.paced:
+            self._values = (key, value_rows(shown, self.view, width, height))
+        return self._values[1]
+
+    def leave(self) -> None:
+        """Nothing is drawn that the mouse could meet."""
+        self.areas = Areas()
+
+    def scroll(self, by: int) -> None:
+        """Moves the cursor in the program."""
+        self.app.program.move(by, self.app.engine.snapshot().line)
+
+    def key_view(self) -> None:
+        """The next view."""
+        self.view = VIEWS[(VIEWS.index(self.view) + 1) % len(VIEWS)]
+
+    def key_fit(self) -> None:
+        """The whole path."""
+        self.app.picture.fit_all()
+
+    def key_zoom(self, steps: int) -> None:
+        """Nearer or farther."""
+        self.app.picture.zoom(steps)
+
+    def key_pan(self, x: int, y: int) -> None:
+        """Moves the window on the path by a quarter."""
+        area = self.areas.picture
+        self.app.picture.pan(x * area.width // 4, y * area.height // 4)
+
+    def key_current(self) -> None:
+        """Back to the current block."""
+        self.app.program.choose(0)
+
+    def clicked(self, event: Body.Clicked) -> None:
+        """A click chooses a block, in the program or by its path."""
+        program, picture = self.areas.program, self.areas.picture
+        if program.contains(event.x, event.y):
+            line = self.app.program.line_at(event.y - program.y)
+        elif picture.contains(event.x, event.y):
+            line = self.app.picture.line_at(event.x - picture.x, event.y - picture.y)
+        else:
+            line = None
+        if line is not None:
+            self.app.program.choose(line)
+
+    def wheel(self, event: Body.Wheel) -> None:
+        """The wheel zooms the path and scrolls the program."""
+        if self.areas.picture.contains(event.x, event.y):
+            self.key_zoom(-event.by)
+        else:
+            super().wheel(event)
+
+    def dragged(self, event: Body.Dragged) -> None:
+        """Dragging moves the window on the path."""
+        if self.areas.picture.contains(event.x, event.y):
+            self.app.picture.pan(-event.dx, event.dy)
 
 
 @dataclass(frozen=True, slots=True)

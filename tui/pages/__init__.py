@@ -1,0 +1,15 @@
+"""The pages, one module each; this table is what the application knows of them."""
+
+from __future__ import annotations
+
+from tui.pages.alarms import AlarmsPage
+from tui.pages.base import Page
+from tui.pages.help import HelpPage
+from tui.pages.jobs import JobsPage
+from tui.pages.run import RunPage
+from tui.pages.service import ServicePage
+
+#: Their keys F1 ... F8 stand in tui.keys.
+PAGES: tuple[type[Page], ...] = (HelpPage, JobsPage, RunPage, AlarmsPage, ServicePage)
+
+__all__ = ["PAGES", "Page", "RunPage"]
