@@ -1,6 +1,6 @@
 //! The last station before autocode: merges short blocks (section 9, design D6), joins target velocities, writes.
 
-use motion_kernel::autocode::{Builder, HostEvent, Instr, Move, MoveKind, Program, Ssf, Via};
+use motion_kernel::autocode::{Builder, HostEvent, Instr, LEAST_SAMPLES, Move, MoveKind, Program, Ssf, Via};
 use motion_kernel::axes::{AxisList, AxisSet};
 use motion_kernel::machine::Machine;
 use motion_kernel::registers::ModeReg;
@@ -71,7 +71,6 @@ pub struct Merged {
 }
 
 const MERGE_SAMPLES: f64 = 2.0;
-const LEAST_SAMPLES: f64 = 1.6;
 /// Bound on the work per block.
 const MAX_PASSED: usize = 256;
 

@@ -6,6 +6,9 @@
 
 use crate::axes::{AxisList, AxisSet};
 
+/// A block is slowed down to last so many samples at least (design D6).
+pub const LEAST_SAMPLES: f64 = 1.6;
+
 /// Kinds of spooled and direct motion commands; names are the manual's own (chapters 4.4, 6.6).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MoveKind {

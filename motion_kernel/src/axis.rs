@@ -1,6 +1,7 @@
 //! One axis: its registers, its spooler and the command it is executing.
 
 use crate::axes::AxisSet;
+use crate::cause::{Cause, Limit};
 use crate::limits::Limiting;
 use crate::machine;
 use crate::path::Component;
@@ -165,6 +166,8 @@ pub struct Axis {
     /// Path velocity at the end of the last move, and the axes of that move.
     pub path_v: f64,
     pub last_axes: AxisSet,
+    /// What limited the speed at the end of that move.
+    pub limit: Limit,
     /// [`Doing::Alone`] is a stop that the system made (a limit, JSatSAF), not a command.
     pub braked_by_system: bool,
     /// Where a block of distances began (spdr), and 0 for one of positions.
@@ -209,6 +212,7 @@ impl Axis {
             run_on_v: 0.0,
             path_v: 0.0,
             last_axes: AxisSet::EMPTY,
+            limit: Limit::of(Cause::Stop),
             braked_by_system: false,
             points_base: 0.0,
             pcap_index: 0,

@@ -5,6 +5,7 @@
 
 use crate::axes::AxisSet;
 use crate::axis::Doing;
+use crate::cause::{Cause, Limit};
 use crate::functions::command;
 use crate::mcu::Mcu;
 use crate::profile::{Profile, Request};
@@ -87,6 +88,7 @@ impl Mcu {
         let next = self.moves[slot].next;
         if next != NONE {
             self.moves[next].junction_v2 = 0.0;
+            self.moves[next].limits.junction = Limit::of(Cause::Hold);
         }
         self.moves[slot].tvl = 0.0;
         self.lookahead.refresh(&self.moves, slot);
@@ -143,6 +145,7 @@ impl Mcu {
         let jerkrel = if shaped { mv.jerkrel } else { 0.0 };
         let request = Request { from: s, to: mv.to, start_v: v, max_v: mv.vl.max(v), acc: mv.ac, target_v, jerkrel };
         mv.profile = Profile::spooled(&request);
+        mv.explain_stop(Cause::Hold);
         for axis in &mut self.axes {
             if axis.doing == Doing::Move(slot) {
                 axis.t = 0.0;

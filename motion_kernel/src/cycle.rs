@@ -2,6 +2,7 @@
 
 use crate::axes::AxisSet;
 use crate::axis::{Axis, Doing, Wait};
+use crate::cause::{Cause, Limit};
 use crate::mcu::{Mcu, PointCache, WAIT_CI};
 use crate::path::point;
 use crate::position_loop::PositionLoop;
@@ -122,6 +123,7 @@ impl Mcu {
         }
         axis.run_on_v = axis.component.slope(&end, mv.curvature) * end_v;
         (axis.path_v, axis.last_axes, axis.plan_v) = (end_v, mv.axes, 0.0);
+        axis.limit = mv.limits.end;
         axis.doing = Doing::Nothing;
         let direct = mv.direct;
         self.let_go(slot);
@@ -187,9 +189,12 @@ impl Mcu {
     /// Plans a move as its first axis starts it; its plan is frozen from here on.
     fn plan(&mut self, a: usize, slot: u32) {
         let start_v = self.start_velocity(a, slot);
+        let joins = self.axes[a].last_axes == self.moves[slot].axes;
+        let start = if joins { self.axes[a].limit } else { Limit::of(Cause::Stop) };
         let looks_ahead = self.registers.modereg.has(ModeReg::LookAhead) && !self.moves[slot].plain;
         let bound = self.lookahead.plan(&mut self.moves, slot, self.registers.lookahead_depth);
         let mv = &self.moves[slot];
+        let mut end = mv.target_limit();
         let mut request = Request {
             from: mv.from,
             to: mv.to,
@@ -202,6 +207,8 @@ impl Mcu {
         if looks_ahead {
             let reach_v2 = start_v.min(mv.vl).powi(2) + 2.0 * mv.ac * (mv.to - mv.from);
             request.target_v = bound.v2.min(reach_v2).sqrt();
+            // what it cannot reach is limited by where it comes from
+            end = if bound.v2 < reach_v2 { bound.limit } else { start };
             if bound.starved && bound.v2 < reach_v2 {
                 self.raise(ErrorReg::SpoolerDeepToLess);
             }
@@ -212,6 +219,7 @@ impl Mcu {
         let mv = &mut self.moves[slot];
         mv.profile = Profile::spooled(&request);
         mv.planned = true;
+        mv.explain(start, end, request.max_v);
     }
 
     /// NoTriangle (design D16): a move that cannot reach its velocity keeps the higher of its junction speeds. Less
@@ -388,12 +396,15 @@ impl Mcu {
         }
         let leader = &self.axes[self.leader];
         let (mut line, mut number) = (leader.function.map_or(0, |f| f.line), 0);
-        if let Doing::Move(slot) = leader.doing {
+        let limit = if let Doing::Move(slot) = leader.doing {
             let mv = &self.moves[slot];
             (line, number) = (mv.line, mv.number);
             flags |= if mv.rapid { flag::RAPID } else { 0 } | if mv.direct { flag::DIRECT } else { 0 };
-        }
-        flags |= if self.holding { flag::HELD } else { 0 };
+            leader.limit_in(mv)
+        } else {
+            self.limit_without_leader()
+        };
+        flags |= if self.holding { flag::HELD } else { 0 } | u32::from(limit.0) << flag::LIMIT_SHIFT;
         trace.line.push(line);
         trace.entry.push(number);
         trace.v_plan.push(leader.plan_v);

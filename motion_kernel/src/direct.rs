@@ -4,6 +4,7 @@
 use crate::autocode::MoveKind;
 use crate::axes::{AxisList, AxisSet, MAX_AXES};
 use crate::axis::{Axis, Doing};
+use crate::cause::{Cause, Limit};
 use crate::circle_3d::Space;
 use crate::functions::Entered;
 use crate::homing::Search;
@@ -244,6 +245,8 @@ impl Mcu {
         self.lookahead.append(&mut self.moves, slot, None);
         self.lookahead.plan(&mut self.moves, slot, 0);
         (self.moves[slot].planned, self.moves[slot].profile) = (true, Profile::direct(&request, ac, false));
+        let end = self.moves[slot].target_limit();
+        self.moves[slot].explain(Limit::of(Cause::Stop), end, vl);
         for (&component, a) in components.iter().zip(command.axes.iter()) {
             let axis = &mut self.axes[a];
             (axis.doing, axis.component, axis.t) = (Doing::Move(slot), component, 0.0);

@@ -7,6 +7,7 @@
 
 use crate::axes::AxisSet;
 use crate::axis::{Axis, Doing};
+use crate::cause::{Cause, Limit};
 use crate::mcu::Mcu;
 use crate::profile::Profile;
 use crate::registers::ModeReg;
@@ -170,6 +171,7 @@ impl Mcu {
         apart.profile = if v < 0.0 { Profile::turning_back(s, v, brake_acc) } else { profile };
         (apart.axes, apart.users, apart.to) = (AxisSet::single(a), 1, apart.profile.end_s);
         (apart.planned, apart.stopping) = (true, true);
+        apart.explain_stop(Cause::Stop);
         let component = self.axes[a].component;
         self.enter_direct_mode(a);
         let own = self.moves.add(apart);
@@ -204,6 +206,8 @@ impl Mcu {
             (profile, stands) = (Profile::turning_back(s, v, brake_acc), true);
         }
         (mv.profile, mv.stopping) = (profile, true);
+        let cause = if self.holding { Cause::Hold } else { Cause::Stop };
+        mv.explain_stop(cause);
         let mut current = slot;
         while !stands && profile.end_v > 0.0 {
             let next = self.lookahead.first_unplanned(&self.moves, current);
@@ -220,6 +224,7 @@ impl Mcu {
             let start_v = profile.end_v.min(mv.vl).min(highest_v2.sqrt());
             (profile, stands) = Profile::stopping(mv.from, mv.to, start_v, brake_acc, limit_v2, 0.0);
             (mv.profile, mv.planned, mv.stopping) = (profile, true, true);
+            mv.explain_stop(cause);
             current = next;
         }
         current
@@ -243,6 +248,7 @@ impl Mcu {
             jerkrel: 0.0,
         };
         self.moves[slot].profile = Profile::spooled(&request);
+        self.moves[slot].explain_stop(if self.holding { Cause::Hold } else { Cause::Stop });
         for a in 0..self.axes.len() {
             if self.axes[a].doing == Doing::Move(slot) {
                 self.axes[a].t = 0.0;
@@ -255,6 +261,7 @@ impl Mcu {
         let mut rest = self.moves[cut];
         rest.from = rest.profile.end_s;
         (rest.planned, rest.stopping, rest.profile) = (false, false, Profile::default());
+        rest.limits.junction = Limit::of(Cause::Hold);
         rest.users = rest.axes.len() as u32;
         let slot = self.moves.add(rest);
         self.lookahead.insert_first(&mut self.moves, slot, cut);

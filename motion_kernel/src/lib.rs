@@ -11,6 +11,7 @@ pub mod axes;
 pub mod axis;
 mod blocks;
 pub mod card;
+pub mod cause;
 pub mod circle_3d;
 pub mod controller;
 mod cycle;

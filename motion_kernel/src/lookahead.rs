@@ -9,7 +9,8 @@
 //! when a move starts and its start speed is known.
 
 use crate::axes::MAX_AXES;
-use crate::spooler::{Moves, NONE};
+use crate::cause::{Cause, Limit};
+use crate::spooler::{Move, Moves, NONE};
 
 /// Unit tangents per axis in the metric of design D7: travel per path length.
 pub type Tangent = [f64; MAX_AXES];
@@ -37,6 +38,8 @@ struct Chain {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndBound {
     pub v2: f64,
+    /// What decided.
+    pub limit: Limit,
     /// The end of the spooler decided, although its last move would go on (ErrorReg bit 17).
     pub starved: bool,
 }
@@ -105,7 +108,8 @@ impl Lookahead {
         let chain = &self.chains[id];
         if chain.first == NONE {
             let v2 = if chain.last == slot { passing_v2(moves, slot) } else { 0.0 };
-            return EndBound { v2, starved: moves[slot].tvl > 0.0 && !moves[slot].passes };
+            let starved = moves[slot].tvl > 0.0 && !moves[slot].passes;
+            return EndBound { v2, limit: end_limit(&moves[slot]), starved };
         }
         bound_at(chain, moves)
     }
@@ -214,7 +218,22 @@ fn bound_at(chain: &Chain, moves: &Moves) -> EndBound {
         next => (moves[next].prefix_v2, None),
     };
     let goes_on = last.is_some_and(|last| last.tvl > 0.0 && !last.passes);
-    EndBound { v2: (least.min(end) - start_v2).max(0.0), starved: goes_on && end < least }
+    let limit = match last {
+        _ if least <= end => moves[chain.front].limits.junction,
+        Some(last) => end_limit(last),
+        None if behind == NONE => Limit::of(Cause::EndOfSpool),
+        None => Limit::of(Cause::Depth),
+    };
+    EndBound { v2: (least.min(end) - start_v2).max(0.0), limit, starved: goes_on && end < least }
+}
+
+/// What limits the speed at the end of the last move of a chain.
+fn end_limit(last: &Move) -> Limit {
+    Limit::of(match last.tvl {
+        _ if last.passes => Cause::TargetVelocity,
+        tvl if tvl > 0.0 => Cause::Starved,
+        _ => Cause::EndOfSpool,
+    })
 }
 
 /// Squared velocity after the last move of a chain: 0, but for `sstvl` (4.4.122).

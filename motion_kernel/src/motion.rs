@@ -1,7 +1,8 @@
 //! Motion commands on their way into the spoolers (4.3.2.4 to 4.3.2.6): checked, given a path and limits.
 
-use crate::autocode::MoveKind;
+use crate::autocode::{LEAST_SAMPLES, MoveKind};
 use crate::axes::{AxisList, AxisSet, MAX_AXES};
+use crate::cause::{Cause, Limit, Limits};
 use crate::circle_3d::Space;
 use crate::functions::Entered;
 use crate::mcu::Mcu;
@@ -26,6 +27,13 @@ pub struct MotionCommand<'a> {
     pub tvl: f64,
     pub rapid: bool,
     pub line: u32,
+}
+
+/// Velocity and acceleration of a move, and what limits them.
+struct Dynamics {
+    vl: f64,
+    ac: f64,
+    limits: Limits,
 }
 
 impl Mcu {
@@ -208,36 +216,59 @@ impl Mcu {
     }
 
     /// Path velocity and acceleration within the limits of the axes (ChkMaxVel on lines, arcs under LookAhead).
-    fn limits(&self, command: &MotionCommand, geometry: &Geometry, components: &[Component]) -> (f64, f64) {
-        let (mut vl, mut ac) = (command.vl, command.ac);
+    fn limits(&self, command: &MotionCommand, geometry: &Geometry, components: &[Component]) -> Dynamics {
+        let Dynamics { mut vl, mut ac, mut limits } = self.programmed(command, geometry);
         if command.kind.is_linear() && self.registers.modereg.has(ModeReg::ChkMaxVel) {
             for (component, a) in components.iter().zip(command.axes.iter()) {
                 let parameters = &self.axes[a].parameters;
                 let share = (component.p * parameters.scale).abs();
-                let limit = |most: f64, now: f64| if most > 0.0 && share * now > most { most / share } else { now };
-                (vl, ac) = (limit(parameters.maxvel, vl), limit(parameters.maxacc, ac));
+                if parameters.maxvel > 0.0 && share * vl > parameters.maxvel {
+                    (vl, limits.velocity) = (parameters.maxvel / share, Limit::by(Cause::MaxVel, a));
+                }
+                if parameters.maxacc > 0.0 && share * ac > parameters.maxacc {
+                    (ac, limits.ramp) = (parameters.maxacc / share, Limit::by(Cause::MaxAcc, a));
+                }
             }
         }
         if !command.kind.is_linear() && self.registers.modereg.has(ModeReg::LookAhead) {
-            let maxacc = |i: usize| self.axes[command.axes.at(i)].parameters.maxacc;
-            let most = [maxacc(0), maxacc(1)].into_iter().filter(|&m| m > 0.0).fold(f64::INFINITY, f64::min);
-            vl = vl.min((geometry.radius * most).sqrt());
+            for a in [command.axes.at(0), command.axes.at(1)] {
+                let most = self.axes[a].parameters.maxacc;
+                if most > 0.0 && geometry.radius * most < vl * vl {
+                    (vl, limits.velocity) = ((geometry.radius * most).sqrt(), Limit::by(Cause::ArcAcc, a));
+                }
+            }
         }
-        (vl, ac)
+        Dynamics { vl, ac, limits }
+    }
+
+    /// Velocity and acceleration of the command itself.
+    fn programmed(&self, command: &MotionCommand, geometry: &Geometry) -> Dynamics {
+        let &MotionCommand { vl, ac, .. } = command;
+        let velocity = match geometry.length <= LEAST_SAMPLES * self.ta * vl * (1.0 + 1e-9) {
+            true => Cause::ShortBlock,
+            false if command.rapid => Cause::Rapid,
+            false => Cause::Feed,
+        };
+        Dynamics { vl, ac, limits: Limits { velocity: Limit::of(velocity), ..Limits::default() } }
     }
 
     /// Puts the move into the spoolers of its axes and into its look-ahead chain.
     fn enter(&mut self, command: &MotionCommand, geometry: &Geometry, components: &[Component], plain: bool) -> u32 {
         let axes = command.axes.set();
-        let (vl, ac) = if plain { (command.vl, command.ac) } else { self.limits(command, geometry, components) };
+        let Dynamics { vl, ac, mut limits } = match plain {
+            true => self.programmed(command, geometry),
+            false => self.limits(command, geometry, components),
+        };
         let capped = command.kind.is_linear() && self.registers.modereg.has(ModeReg::ChkMaxVel);
         let tvl = if capped { command.tvl.min(vl) } else { command.tvl };
         let before = self.chain_end(axes);
-        let junction_v = match before {
-            Some(previous) if plain => self.passing_v(previous).min(vl),
-            Some(previous) => self.turn_v(previous, command.axes, geometry, components).min(vl),
-            None => 0.0,
+        let (mut junction_v, junction) = match before {
+            Some(previous) if plain => (self.passing_v(previous), self.moves[previous].target_limit()),
+            Some(previous) => self.turn_v(previous, command.axes, geometry, components),
+            None => (0.0, Limit::of(Cause::Stop)),
         };
+        limits.junction = if junction_v < vl { junction } else { limits.velocity };
+        junction_v = junction_v.min(vl);
         let jerkrel = self.jerkrel_of(axes);
         let slot = self.moves.add(Move {
             axes,
@@ -253,6 +284,7 @@ impl Mcu {
             ac,
             tvl,
             jerkrel,
+            limits,
             users: command.axes.len() as u32,
             junction_v2: junction_v * junction_v,
             ..Move::default()
@@ -281,19 +313,24 @@ impl Mcu {
 
     /// Highest speed at the junction with the move before: no axis may change its speed by more than its mdvel
     /// (0 = not watched), and neither velocity nor target velocity of that move are exceeded.
-    fn turn_v(&self, previous: u32, list: &AxisList, geometry: &Geometry, components: &[Component]) -> f64 {
+    fn turn_v(&self, previous: u32, list: &AxisList, geometry: &Geometry, components: &[Component]) -> (f64, Limit) {
         let last = &self.moves[previous];
-        let Some(before) = self.lookahead.end_tangent(&self.moves, previous) else { return 0.0 };
+        let Some(before) = self.lookahead.end_tangent(&self.moves, previous) else {
+            return (0.0, Limit::of(Cause::Stop));
+        };
         let start = path::point(0.0, geometry.curvature);
-        let mut limit = last.tvl.max(0.0).min(last.vl);
+        let (mut v, mut limit) = (last.tvl.max(0.0).min(last.vl), last.target_limit());
         for (component, a) in components.iter().zip(list.iter()) {
             let parameters = &self.axes[a].parameters;
             let change = (component.slope(&start, geometry.curvature) * parameters.scale - before[a]).abs();
             if parameters.mdvel > 0.0 && change > 1e-12 {
-                limit = limit.min(parameters.mdvel / change);
+                let most = parameters.mdvel / change;
+                // which axis decides changes from junction to junction: no branch
+                limit = if most < v { Limit::by(Cause::MdVel, a) } else { limit };
+                v = v.min(most);
             }
         }
-        limit
+        (v, limit)
     }
 
     /// The newest move of all these axes, if it has just these axes and still lives.

@@ -6,6 +6,7 @@
 
 use crate::axes::AxisSet;
 use crate::axis::{Axis, Doing};
+use crate::cause::Cause;
 use crate::functions::Entered;
 use crate::mcu::Mcu;
 use crate::profile::{Profile, Request};
@@ -112,6 +113,7 @@ impl Mcu {
         let request = Request { from: s, to: mv.to, start_v: now_v, max_v, acc: mv.ac, target_v: v, jerkrel };
         let profile = Profile::spooled(&request);
         self.moves[slot].profile = profile;
+        self.moves[slot].explain_stop(Cause::TargetVelocity);
         for axis in &mut self.axes {
             if axis.doing == Doing::Move(slot) {
                 axis.t = 0.0;

@@ -109,6 +109,16 @@ impl Profile {
         }
         ramp.at(t - ramp.begin_t)
     }
+    /// What it does at profile time `t`: 0 accelerate, 1 keep its velocity, 2 brake.
+    #[inline]
+    pub fn phase(&self, t: f64) -> usize {
+        let mut a = self.ramps[0].a;
+        for next in &self.ramps[1..] {
+            // those that are not used begin at 0 and have acceleration 0
+            a = if t >= next.begin_t && next.duration_t > 0.0 { next.a } else { a };
+        }
+        usize::from(a <= 0.0) + usize::from(a < 0.0)
+    }
     pub fn ramps(&self) -> &[Ramp] {
         &self.ramps[..self.count]
     }

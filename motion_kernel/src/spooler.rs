@@ -4,6 +4,7 @@
 //! spooler refers to it and carries the course of its own axis. Everything is allocated at start-up.
 
 use crate::axes::AxisSet;
+use crate::cause::Limits;
 use crate::path::Component;
 use crate::profile::Profile;
 use std::collections::VecDeque;
@@ -53,6 +54,8 @@ pub struct Move {
     /// Its plan brakes for `ms` or a hold.
     pub stopping: bool,
     pub profile: Profile,
+    /// What limits its velocity (cause.rs).
+    pub limits: Limits,
     /// Axes that still hold an entry of it.
     pub users: u32,
     /// Look-ahead: squared speed limit at the start, place in its chain (see lookahead.rs).
@@ -89,6 +92,7 @@ impl Default for Move {
             planned: false,
             stopping: false,
             profile: Profile::default(),
+            limits: Limits::default(),
             users: 0,
             junction_v2: 0.0,
             chain: NONE,

@@ -9,6 +9,8 @@ pub mod flag {
     /// Feed hold, braking or standing.
     pub const HELD: u32 = 1 << 3;
     pub const DIRECT: u32 = 1 << 4;
+    /// From here on: what limits the path velocity, as [`crate::cause::Limit`].
+    pub const LIMIT_SHIFT: u32 = 8;
 }
 
 /// A chunk of samples. Matrices are row-major, one row of `axes` values per sample. Row k is the state at the
@@ -30,6 +32,7 @@ pub struct Trace {
     /// Nominal path velocity at factor 1, and the effective override.
     pub v_plan: Vec<f64>,
     pub factor: Vec<f64>,
+    /// Bits of [`flag`], and the cause that limits the path velocity.
     pub flags: Vec<u32>,
 }
 
