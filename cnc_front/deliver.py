@@ -85,7 +85,7 @@ def _measured_again(recorded: Recorded) -> ReportInput:
 def _measure(recorded: Recorded, tracker: native_paths.Tracker, plotting: _Plotting) -> int:
     samples = 0
     for columns in recorded.columns():
-        names = ("dp", "load", "rp", "factor", "v_plan")
+        names = ("dp", "load", "rp", "factor", "v_plan", "entry", "flags")
         deviation = tracker.feed_columns(columns["first_sample"], *(columns[name] for name in names))
         plotting.add(deviation)
         samples = columns["first_sample"] + len(deviation)
@@ -104,7 +104,7 @@ def _run_of(
     if not run.keys() >= EMPTY.keys() or run["schema"] != SCHEMA:
         raise ValueError(f"{RESULT} is no result of a run")
     run["verdict"].setdefault("tolerance_from", recorded.metadata.get("tolerance_from", "machine"))
-    return run | measured_keys(summary, machine.axis_names, schedule)
+    return run | measured_keys(summary, machine, schedule)
 
 
 class _Plotting:

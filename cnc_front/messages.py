@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from typing import Any
 
+from motion_kernel.causes import english, german
+
 LANGUAGES = ("en", "de")
 
 TEXTS: dict[str, tuple[str, str]] = {
@@ -53,6 +55,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "setpoint_deviation": ("set point deviation", "Sollwertabweichung"),
     "following": ("following error", "Schleppfehler"),
     "feed": ("feed reached", "Vorschub erreicht"),
+    "limited": ("limited by", "begrenzt durch"),
     "merged": ("merged blocks", "zusammengefasste Sätze"),
     "override": ("override", "Vorschubkorrektur"),
     "at_line": ("at line {line}", "in Zeile {line}"),
@@ -83,6 +86,13 @@ TEXTS: dict[str, tuple[str, str]] = {
 def text(id: str, language: str, **values: Any) -> str:
     """The message in that language with its values filled in."""
     return TEXTS[id][LANGUAGES.index(language)].format(**values)
+
+
+def limit_text(name: str, language: str) -> str:
+    """Words for a cause by its name in JSON, with the axis where it has one: `mdvel X`."""
+    cause, _, axis = name.partition(" ")
+    words = german(cause) if language == "de" else english(cause)
+    return f"{words}, {axis}" if axis else words
 
 
 def language_from(asked: str | None, environment: dict[str, str] | None = None) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cnc_front.messages import text
+from cnc_front.messages import limit_text, text
 from cnc_front.run import RunResult
 from cnc_front.verdict import Verdict
 
@@ -40,12 +40,19 @@ def result_text(
     rows.append(_row(say("following"), "  ".join(f"{name} {e['max']:.4f} {unit}" for (name, e), unit in errors)))
     if feed["programmed_reached_pct"] is not None:
         rows.append(_row(say("feed"), f"{feed['programmed_reached_pct']:.1f} % {say('of_time')}"))
+    rows.append(_row(say("limited"), ", ".join(_limits(feed["limits"], run["machine_time_s"], language))))
     for key, label in (("recording", "recording"), ("report", "report")):
         if run["files"][key]:
             rows.append(_row(say(label), run["files"][key]))
     if run["output"]:
         rows += ["", *run["output"]]
     return "\n".join(rows)
+
+
+def _limits(limits: dict[str, float], total_s: float, language: str) -> list[str]:
+    """The three causes that limited the path velocity longest, with their shares of the machine time."""
+    longest = sorted(limits.items(), key=lambda item: -item[1])[:3]
+    return [f"{limit_text(name, language)} {100 * seconds / total_s:.1f} %" for name, seconds in longest]
 
 
 def _row(label: str, value: str) -> str:

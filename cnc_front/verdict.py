@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from cnc_front._native import motion_kernel as native_kernel
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import Exit
 from cnc_front.execution import End
 from cnc_front.jobs import JobSource, MachineFile, shown
 from cnc_front.readiness import reported
 from cnc_front.run import RunResult
+from motion_kernel.causes import limit_of
 
 #: How far the set point may leave the path beyond what merging allows, mm (design 3.1).
 SETPOINT_SLACK_MM = 1e-6
@@ -164,12 +166,14 @@ def run_object(result: RunResult, verdict: Verdict, files: dict[str, str | None]
                 "reasons": [{"id": r.id, **r.values} for r in verdict.reasons],
             },
         }
-        | measured_keys(summary, job.machine.machine.axis_names, result.options.schedule)
+        | measured_keys(summary, job.machine.machine, result.options.schedule)
     )
 
 
-def measured_keys(summary: dict[str, Any], names: list[str], schedule: Any) -> dict[str, Any]:
+def measured_keys(summary: dict[str, Any], machine: native_kernel.Machine, schedule: Any) -> dict[str, Any]:
     """The keys of design 3.2 that come from measuring the samples; the same for a run and for its recording."""
+    names = machine.axis_names
+    feed: dict[str, Any] = {key: summary[key] for key in ("programmed_reached_pct", "max_over_pct")}
     errors = zip(names, summary["following_error"], strict=True)
     overrides = ("path_change_mm", "velocity_ratio_error_pct", "settling_ok")
     return {
@@ -177,9 +181,24 @@ def measured_keys(summary: dict[str, Any], names: list[str], schedule: Any) -> d
         "merged": {"blocks": summary["merged"][0], "max_mm": summary["merged"][1]},
         "deviation": {key: _deviation(summary[key], names) for key in ("setpoint", "actual")},
         "following_error": {name: {"max": most, "rms": rms} for name, (most, rms) in errors},
-        "feed": {key: summary[key] for key in ("programmed_reached_pct", "max_over_pct")},
+        "feed": feed | {"limits": limits_object(summary["limits"], names, machine.sample_time_us * 1e-6)},
         "override": {"schedule": [list(p) for p in schedule]} | {key: summary[key] for key in overrides},
     }
+
+
+def limits_object(limits: list[tuple[int, int]], names: list[str], sample_time_s: float) -> dict[str, float]:
+    """Seconds per cause that limited the path velocity, most first; `mdvel X` where a cause is that of an axis.
+
+    They sum to the machine time.
+    """
+    rows = sorted(limits, key=lambda row: (-row[1], row[0]))
+    return {limit_name(code, names): samples * sample_time_s for code, samples in rows}
+
+
+def limit_name(code: int, names: list[str]) -> str:
+    """The name of a limit of the kernel: its cause, and the axis where it has one."""
+    cause, axis = limit_of(code)
+    return str(cause) if axis is None else f"{cause} {names[axis]}"
 
 
 def partial_object(source: JobSource, machine: Any, recorded: Any, samples: int, tolerance_mm: float) -> dict[str, Any]:

@@ -14,6 +14,7 @@ __all__ = [
     "MachineError",
     "Mcu",
     "Stimulus",
+    "causes",
     "register_bits",
     "resource_devices",
     "trajectory_units",
@@ -250,6 +251,7 @@ class Mcu:
     def set_clock(self, ticks: int) -> None: ...
 
 def trajectory_units() -> tuple[list[str], list[str]]: ...
+def causes() -> list[tuple[int, str, str, str]]: ...
 def register_bits(register: str) -> list[tuple[int, str, str]]: ...
 
 _ResourceDescriptor = tuple[int, int, int, int, int, int, int]

@@ -22,6 +22,8 @@ macro_rules! causes {
         pub enum Cause { Unknown = 0, $(#[doc = $english] $variant,)* }
 
         impl Cause {
+            /// Those by which nothing is lost: the program gets what it asks for.
+            pub const AT_SPEED: [Cause; 3] = [Cause::Feed, Cause::Rapid, Cause::Dwell];
             /// Every cause with its name and its words in English and German.
             pub const ALL: &'static [(Cause, &'static str, &'static str, &'static str)] =
                 &[$((Cause::$variant, $name, $english, $german),)*];
@@ -36,7 +38,7 @@ causes! {
     ArcAcc, "arc_maxacc", "maxacc on an arc", "maxacc auf einem Bogen";
     MdVel, "mdvel", "mdvel at a junction", "mdvel an einem Satzübergang";
     TargetVelocity, "target_velocity", "programmed target velocity", "programmierte Zielgeschwindigkeit";
-    Ramp, "ramp", "ramp: the move is too short for its velocity", "Rampe: Satz zu kurz für seine Geschwindigkeit";
+    Ramp, "ramp", "ramp: move too short", "Rampe: Satz zu kurz";
     MaxAcc, "maxacc", "ramp lowered by maxacc of an axis", "Rampe durch maxacc einer Achse verringert";
     ShortBlock, "short_block", "block shorter than a sample", "Satz kürzer als eine Abtastung";
     Stop, "stop", "stop in the program", "Halt im Programm";

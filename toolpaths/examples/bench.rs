@@ -83,6 +83,7 @@ fn measure(name: &str, program: &Program) {
                 rp: &run.load[rows],
                 factor: &run.factor[first..last],
                 v_plan: &run.v_plan[first..last],
+                ..Chunk::default()
             };
             tracker.feed(&chunk, &mut PerSample { actual_mm: &mut actual, ..PerSample::default() });
         }

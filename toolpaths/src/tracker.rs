@@ -6,6 +6,8 @@ use crate::blocks::BlockStats;
 use crate::deviation::{DeviationSummary, Deviations};
 use crate::feed::{FeedCheck, FeedSummary, Interval, OverrideCheck, OverrideSummary};
 use crate::follower::{ADVANCE, Follower, Place, SLACK_MM, Sample};
+use crate::limits::{BlockLimit, Limits, Tally, limit_of};
+use crate::passages::Passages;
 use crate::path::{Merged, Path, WIDTHS};
 use crate::segment::squared_distance;
 use crate::series::{LengthSeries, TimeSeries};
@@ -19,16 +21,27 @@ pub struct TrackerOptions {
     pub trovrst_s: f64,
     /// Buckets of the reduced curves over path length, and most of those over time.
     pub buckets: usize,
+    /// Causes (the low bytes of their numbers) that mean full speed, one bit each.
+    pub at_speed: u64,
+    /// Also collects what a bound on the time of each motion command is computed from.
+    pub passages: bool,
 }
 
 impl Default for TrackerOptions {
     fn default() -> Self {
-        TrackerOptions { sample_time_s: 1.28e-3, schedule: Vec::new(), trovrst_s: 0.0, buckets: 4096 }
+        TrackerOptions {
+            sample_time_s: 1.28e-3,
+            schedule: Vec::new(),
+            trovrst_s: 0.0,
+            buckets: 4096,
+            at_speed: 0,
+            passages: false,
+        }
     }
 }
 
 /// `n` samples of a run, `axes` values a row, in axis units. Samples follow each other without gap.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Chunk<'a> {
     pub first_sample: u64,
     /// (n, axes): set points, load-side positions, encoder positions.
@@ -38,6 +51,11 @@ pub struct Chunk<'a> {
     /// (n): effective override, nominal path velocity at factor 1.
     pub factor: &'a [f64],
     pub v_plan: &'a [f64],
+    /// (n): number of the motion command (from 1; 0 none), flags of the controller with the cause that limits the path
+    /// velocity from bit 8 on;
+    /// empty where there are none.
+    pub entry: &'a [u32],
+    pub flags: &'a [u32],
 }
 
 /// Results per sample, as far as the caller gives room for them: n values each, or empty.
@@ -81,6 +99,8 @@ pub struct Summary {
     pub reached_line: u32,
     /// The set point reached the end of the path. A run stopped early is measured up to there.
     pub completed: bool,
+    /// Samples per cause that limited the path velocity; they sum to `samples`.
+    pub limits: Tally,
 }
 
 /// How far the end of the path may be missed: rounding of stops to counts.
@@ -108,6 +128,8 @@ pub struct Tracker {
     pub(crate) over_length: LengthSeries,
     pub(crate) over_time: TimeSeries,
     watched: Watched,
+    limits: Limits,
+    passages: Passages,
 }
 
 #[derive(Clone, Debug)]
@@ -176,6 +198,8 @@ impl Tracker {
             over_length: LengthSeries::new(path.length_mm(), options.buckets),
             over_time: TimeSeries::new(path.axes, options.buckets),
             watched: Watched::default(),
+            limits: Limits::new(options.buckets, options.at_speed),
+            passages: Passages::new(path.axes),
             path,
             options,
         }
@@ -183,6 +207,7 @@ impl Tracker {
 
     /// Also collects the largest deviation per piece of a polyline, given by the path length at its vertices.
     pub fn watch(&mut self, s_mm: &[f64]) {
+        self.limits.watch(s_mm);
         let none = vec![f32::NAN; s_mm.len()];
         self.watched = Watched { s_mm: s_mm.to_vec(), max_mm: none.clone(), signed_mm: none, at: 0 };
     }
@@ -236,6 +261,19 @@ impl Tracker {
             let curves = [step.speed, step.programmed, chunk.factor[k], actual.deviation];
             self.over_time.add(curves, dp, rp);
             self.watched.add(s_actual, actual_mm, signed as f32);
+            let at = path.segments[self.setpoint.follower.foot.segment].block;
+            self.limits.add(limit_of(chunk.flags.get(k).copied().unwrap_or(0)), at, s_set);
+            if self.options.passages {
+                let speed = (chunk.v_plan[k] * chunk.factor[k], chunk.factor[k]);
+                self.passages.add(
+                    sample,
+                    chunk.entry.get(k).copied().unwrap_or(0),
+                    s_set,
+                    speed,
+                    self.samples_per_s,
+                    dp,
+                );
+            }
 
             put(out.actual_mm, k, actual_mm);
             put(out.setpoint_mm, k, set_mm);
@@ -352,6 +390,7 @@ impl Tracker {
     pub fn finish(&mut self) -> Summary {
         self.over_time.finish();
         self.over_length.finish();
+        self.limits.finish();
         let path = &self.path;
         let line_of = |block: u32| path.block(block).line;
         let foot = self.setpoint.follower.foot;
@@ -374,12 +413,31 @@ impl Tracker {
             missing_mm,
             reached_line: line_of(path.segments[foot.segment].block),
             completed: missing_mm <= END_MM,
+            limits: self.limits.total.clone(),
         }
     }
 
     /// One row per block of [`Path::blocks`].
     pub fn blocks(&self) -> &[BlockStats] {
         &self.blocks[..self.path.blocks().len()]
+    }
+    /// What limited each block of [`Path::blocks`]; complete after [`Tracker::finish`].
+    pub fn block_limits(&self) -> Vec<BlockLimit> {
+        let mut blocks = self.limits.blocks.clone();
+        blocks.resize(self.path.blocks().len(), BlockLimit::default());
+        blocks
+    }
+    /// The cause of most of the piece that ends at each vertex of the watched polyline, 0 where it was not driven.
+    pub fn watched_limits(&self) -> &[u16] {
+        &self.limits.pieces
+    }
+    /// Causes over time, in buckets of so many samples; complete after [`Tracker::finish`].
+    pub fn limits_over_time(&self) -> (u64, &[Tally]) {
+        (self.limits.samples_per_bucket, &self.limits.buckets)
+    }
+    /// One passage per motion command, if they are collected.
+    pub fn passages(&self) -> &Passages {
+        &self.passages
     }
     pub fn over_length(&self) -> &LengthSeries {
         &self.over_length

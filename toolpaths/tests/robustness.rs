@@ -61,7 +61,7 @@ proptest! {
         let dp = &samples[..rows * columns.axes];
         let factor: Vec<f64> = (0..rows).map(|k| (k % 5) as f64 * 0.5).collect();
         let mut tracker = Tracker::new(Arc::new(path), TrackerOptions { sample_time_s: TA, ..TrackerOptions::default() });
-        let chunk = Chunk { first_sample: 0, dp, load: dp, rp: dp, factor: &factor, v_plan: &factor };
+        let chunk = Chunk { first_sample: 0, dp, load: dp, rp: dp, factor: &factor, v_plan: &factor, ..Chunk::default() };
         tracker.feed(&chunk, &mut PerSample::default());
         let summary = tracker.finish();
         prop_assert_eq!(summary.samples, rows as u64);

@@ -330,6 +330,7 @@ fn a_watched_polyline_gets_the_deviation_of_each_piece() {
             rp: &run.load[rows],
             factor: &run.factor[from..to],
             v_plan: &run.v_plan[from..to],
+            ..Chunk::default()
         };
         tracker.feed(&chunk, &mut PerSample::default());
         let (max, at) = tracker.watched();

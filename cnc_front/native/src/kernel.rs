@@ -3,6 +3,7 @@
 use motion_kernel::Mcu as Kernel;
 use motion_kernel::autocode::MoveKind;
 use motion_kernel::axes::{AxisList, AxisSet, MAX_AXES};
+use motion_kernel::cause::Cause;
 use motion_kernel::functions::Entered;
 use motion_kernel::motion::MotionCommand;
 use motion_kernel::registers::{Axst, ControllerFlags, Digi, ErrorReg, Ifs, ModeReg};
@@ -23,6 +24,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("MOST_AUTOCODE_BYTES", ::sympas::cnc::MAX_BYTES)?;
     module.add_class::<crate::stimulus::Stimulus>()?;
     module.add_function(wrap_pyfunction!(register_bits, module)?)?;
+    module.add_function(wrap_pyfunction!(causes, module)?)?;
     module.add_function(wrap_pyfunction!(crate::resources::resource_devices, module)?)?;
     module.add_function(wrap_pyfunction!(crate::pcap::trajectory_units, module)?)?;
     Ok(())
@@ -343,6 +345,12 @@ fn common(number: usize) -> PyResult<usize> {
     } else {
         Err(PyIndexError::new_err("common variables are 0 to 999"))
     }
+}
+
+/// What can limit the path velocity: (number, name, English, German).
+#[pyfunction]
+pub fn causes() -> Vec<(u8, &'static str, &'static str, &'static str)> {
+    Cause::ALL.iter().map(|&(cause, name, english, german)| (cause as u8, name, english, german)).collect()
 }
 
 /// Bit tables for Python: (number, name, text).

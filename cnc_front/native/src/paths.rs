@@ -1,12 +1,14 @@
 //! `cnc_front._native.toolpaths`: the programmed path and the tracker that measures a run against it.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use motion_kernel::cause::Cause;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use toolpaths::{BlockStats, DeviationSummary, MinMax, SequenceView, Summary, TrackerOptions};
+use toolpaths::{BlockLimit, BlockStats, DeviationSummary, MinMax, Passage, SequenceView, Summary, TrackerOptions};
 
 use crate::chunk::Chunk;
 
@@ -114,9 +116,17 @@ pub struct Tracker {
 #[pymethods]
 impl Tracker {
     #[new]
-    #[pyo3(signature = (path, *, sample_time_s, schedule=Vec::new(), trovrst_s=0.0, buckets=4096))]
-    fn new(path: &Path, sample_time_s: f64, schedule: Vec<(f64, f64)>, trovrst_s: f64, buckets: usize) -> Tracker {
-        let options = TrackerOptions { sample_time_s, schedule, trovrst_s, buckets };
+    #[pyo3(signature = (path, *, sample_time_s, schedule=Vec::new(), trovrst_s=0.0, buckets=4096, passages=false))]
+    fn new(
+        path: &Path,
+        sample_time_s: f64,
+        schedule: Vec<(f64, f64)>,
+        trovrst_s: f64,
+        buckets: usize,
+        passages: bool,
+    ) -> Tracker {
+        let at_speed = Cause::AT_SPEED.iter().fold(0, |bits, &cause| bits | 1 << cause as u64);
+        let options = TrackerOptions { sample_time_s, schedule, trovrst_s, buckets, at_speed, passages };
         Tracker { inner: toolpaths::Tracker::new(path.inner.clone(), options), axes: path.inner.axes() }
     }
 
@@ -136,12 +146,45 @@ impl Tracker {
         PyArray1::from_slice(py, self.inner.watched_signed())
     }
 
+    /// What limited most of the piece that ends at each watched vertex (cause, axis + 1 in the high byte; 0: not driven).
+    fn watched_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u16>> {
+        PyArray1::from_slice(py, self.inner.watched_limits())
+    }
+    /// Causes over time: samples per bucket, and per bucket {limit: samples}.
+    fn limits_over_time(&self) -> (u64, Vec<BTreeMap<u16, u64>>) {
+        let (samples, buckets) = self.inner.limits_over_time();
+        (samples, buckets.iter().map(|bucket| bucket.rows().iter().copied().collect()).collect())
+    }
+    /// Per motion command, if asked for: first, last, samples, s_mm (n, 2), v (n, 2), v_max, a_max, factor_max, and the
+    /// set points `begin` and `end` (n, axes) at its first and last sample. `samples` is 0 for what was never executed.
+    fn passages<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let passages = self.inner.passages();
+        let (list, n) = (passages.list(), passages.list().len());
+        let dict = PyDict::new(py);
+        let numbers = |f: fn(&Passage) -> f64| list.iter().map(f).collect::<Vec<_>>().into_pyarray(py);
+        let counts = |f: fn(&Passage) -> u64| list.iter().map(f).collect::<Vec<_>>().into_pyarray(py);
+        let pairs = |f: fn(&Passage) -> [f64; 2]| list.iter().flat_map(f).collect::<Vec<_>>().into_pyarray(py);
+        dict.set_item("first", counts(|p| p.first))?;
+        dict.set_item("last", counts(|p| p.last))?;
+        dict.set_item("samples", counts(|p| p.samples))?;
+        dict.set_item("s_mm", pairs(|p| p.s_mm).reshape([n, 2])?)?;
+        dict.set_item("v", pairs(|p| p.v).reshape([n, 2])?)?;
+        dict.set_item("v_max", numbers(|p| p.v_max))?;
+        dict.set_item("a_max", numbers(|p| p.a_max))?;
+        dict.set_item("factor_max", numbers(|p| p.factor_max))?;
+        let (begin, end) = passages.ends();
+        dict.set_item("begin", PyArray1::from_slice(py, begin).reshape([n, self.axes])?)?;
+        dict.set_item("end", PyArray1::from_slice(py, end).reshape([n, self.axes])?)?;
+        Ok(dict)
+    }
+
     /// Measures a chunk of the controller; returns the deviation of the load side per sample (f32, mm).
     fn feed<'py>(&mut self, py: Python<'py>, chunk: &Chunk) -> PyResult<Bound<'py, PyArray1<f32>>> {
         let (dp, load, rp) =
             (chunk.dp.bind(py).readonly(), chunk.load.bind(py).readonly(), chunk.rp.bind(py).readonly());
         let (factor, v_plan) = (chunk.factor.bind(py).readonly(), chunk.v_plan.bind(py).readonly());
-        self.measure(py, chunk.first_sample, (dp, load, rp), (factor, v_plan))
+        let (entry, flags) = (chunk.entry.bind(py).readonly(), chunk.flags.bind(py).readonly());
+        self.measure(py, chunk.first_sample, (dp, load, rp), (factor, v_plan), (entry, flags))
     }
 
     /// As `feed`, from columns of a recording.
@@ -155,8 +198,10 @@ impl Tracker {
         rp: PyReadonlyArray2<'py, f64>,
         factor: PyReadonlyArray1<'py, f64>,
         v_plan: PyReadonlyArray1<'py, f64>,
+        entry: PyReadonlyArray1<'py, u32>,
+        flags: PyReadonlyArray1<'py, u32>,
     ) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        self.measure(py, first_sample, (dp, load, rp), (factor, v_plan))
+        self.measure(py, first_sample, (dp, load, rp), (factor, v_plan), (entry, flags))
     }
 
     /// What was measured so far; call it once, after the last chunk.
@@ -180,6 +225,11 @@ impl Tracker {
         dict.set_item("actual_rms_mm", numbers(|b| b.actual.rms_mm()))?;
         dict.set_item("signed_min_mm", numbers(|b| f64::from(b.signed_min_mm)))?;
         dict.set_item("signed_max_mm", numbers(|b| f64::from(b.signed_max_mm)))?;
+        let limits = self.inner.block_limits();
+        let share = |(l, b): (&BlockLimit, &BlockStats)| f64::from(l.samples) / f64::from(b.setpoint.samples);
+        dict.set_item("limit", limits.iter().map(|l| l.limit).collect::<Vec<_>>().into_pyarray(py))?;
+        dict.set_item("limit_share", limits.iter().zip(blocks).map(share).collect::<Vec<_>>().into_pyarray(py))?;
+        dict.set_item("slow_limit", limits.iter().map(|l| l.slow).collect::<Vec<_>>().into_pyarray(py))?;
         Ok(dict)
     }
 
@@ -215,10 +265,11 @@ impl Tracker {
         first_sample: u64,
         (dp, load, rp): Matrices<'py>,
         (factor, v_plan): (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
+        (entry, flags): (PyReadonlyArray1<'py, u32>, PyReadonlyArray1<'py, u32>),
     ) -> PyResult<Bound<'py, PyArray1<f32>>> {
         let n = factor.len();
         let shaped = [&dp, &load, &rp].iter().all(|m| m.shape() == [n, self.axes]) && v_plan.len() == n;
-        if !shaped {
+        if !shaped || entry.len() != n || flags.len() != n {
             return Err(PyValueError::new_err("columns of different length"));
         }
         let chunk = toolpaths::Chunk {
@@ -228,6 +279,8 @@ impl Tracker {
             rp: rp.as_slice()?,
             factor: factor.as_slice()?,
             v_plan: v_plan.as_slice()?,
+            entry: entry.as_slice()?,
+            flags: flags.as_slice()?,
         };
         let mut actual = vec![0.0_f32; n];
         let tracker = &mut self.inner;
@@ -283,5 +336,6 @@ fn summary_dict<'py>(py: Python<'py>, s: &Summary) -> PyResult<Bound<'py, PyDict
     dict.set_item("missing_mm", s.missing_mm)?;
     dict.set_item("reached_line", s.reached_line)?;
     dict.set_item("completed", s.completed)?;
+    dict.set_item("limits", s.limits.rows().to_vec())?;
     Ok(dict)
 }

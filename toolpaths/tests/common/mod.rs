@@ -266,6 +266,7 @@ impl Run {
                 rp: &self.load[rows],
                 factor: &self.factor[first..last],
                 v_plan: &self.v_plan[first..last],
+                ..Chunk::default()
             };
             tracker.feed(
                 &chunk,
