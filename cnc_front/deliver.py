@@ -134,8 +134,11 @@ class _Plotting:
         events: list[dict[str, Any]],
     ) -> ReportInput:
         from cnc_front.report import ReportInput
+        from cnc_front.report.limits import LimitData
 
         watched, _ = self.tracker.watched()
+        samples, buckets = self.tracker.limits_over_time()
+        limits = LimitData(summary["limits"], samples, buckets, self.tracker.watched_limits())
         return ReportInput(
             run=run,
             summary=summary,
@@ -152,6 +155,7 @@ class _Plotting:
             series=self.tracker.series(),
             histogram=self.histogram,
             events=events,
+            limits=limits,
         )
 
 

@@ -14,11 +14,12 @@ from cnc_front.messages import text
 from cnc_front.outputs import REPORT_FILE, REPORT_MARK
 from cnc_front.recording import VOLATILE
 from cnc_front.report.data import ReportInput, block_table, findings, gaps, plot_data, statistics, worst_vertices
+from cnc_front.report.limits import limit_rows, limit_words
 from cnc_front.report.words import WORDS
 
 SCHEMA = "cnc-front/report/1"
 #: Parts of the script of the page, in their order.
-SCRIPTS = ("plot.js", "path.js", "table.js", "report.js")
+SCRIPTS = ("plot.js", "limits.js", "path.js", "table.js", "report.js")
 
 
 def write_report(report: ReportInput, folder: Path, language: str) -> None:
@@ -47,6 +48,7 @@ def report_json(report: ReportInput, worst: list[dict[str, Any]]) -> dict[str, A
         "result": result,
         "findings": worst,
         "statistics": statistics(report),
+        "limits": limit_rows(report.limits, report.axes, report.sample_time_s),
         "histogram": counts,
         "note": report.note,
         "run": run,
@@ -61,13 +63,16 @@ def html(report: ReportInput, data: dict[str, Any], figures: dict[str, Any], lan
     room = files("cnc_front.report")
     template = environment.from_string((room / "report.html.j2").read_text(encoding="utf-8"))
     reasons = report.run["verdict"]["reasons"]
+    spoken = limit_words(report.limits, report.axes, language)
     return template.render(
         mark=REPORT_MARK,
         language=language,
         words=WORDS[language],
         css=(room / "report.css").read_text(encoding="utf-8"),
         script="\n".join((room / name).read_text(encoding="utf-8") for name in SCRIPTS),
-        data=_script_json(data | {"words": WORDS[language]}),
+        data=_script_json(data | {"words": WORDS[language], "limitWords": spoken}),
+        limits=figures["limits"],
+        limit_words=spoken,
         figures=_script_json(figures),
         run=report.run,
         date=figures["run"]["date"],

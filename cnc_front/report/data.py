@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cnc_front.report.limits import LimitData, block_columns, limit_plot
+
 #: Vertices of the path picture and rows of the block table inside the HTML; everything is in blocks.csv.
 #: The vertices are for 3 axes, fewer with more, so that the page stays under 20 MiB.
 PLOT_POINTS = 250_000
@@ -61,6 +63,7 @@ class ReportInput:
     histogram: Histogram
     events: list[dict[str, Any]] = field(default_factory=list)
     note: str = ""
+    limits: LimitData = field(default_factory=LimitData)
 
 
 def block_table(report: ReportInput) -> list[dict[str, Any]]:
@@ -82,9 +85,9 @@ def block_table(report: ReportInput) -> list[dict[str, Any]]:
         "setpoint_max_um": measured["setpoint_max_mm"] * 1e3,
         "left_um": measured["signed_max_mm"] * 1e3,
         "right_um": -measured["signed_min_mm"] * 1e3,
-    }
+    } | block_columns(measured, report.axes)
     names = list(columns)
-    lists = [np.asarray(column).tolist() for column in columns.values()]
+    lists = [column if isinstance(column, list) else np.asarray(column).tolist() for column in columns.values()]
     rapid = blocks["rapid"].tolist()
     rows = []
     for values, is_rapid in zip(zip(*lists, strict=True), rapid, strict=True):
@@ -224,6 +227,7 @@ def plot_data(report: ReportInput, rows: list[dict[str, Any]], vertices: NDArray
             "factor": band(time["factor"], 100.0),
             "following": [band(pair) for pair in time["following"]],
         },
+        "limits": limit_plot(report.limits, report.axes, report.sample_time_s),
         "histogram": {"upTo": [finite(v) for v in HISTOGRAM_UM], "counts": report.histogram.counts.tolist()},
         "blocks": sorted(worst, key=lambda row: row["line"]),
         "blockCount": len(rows),

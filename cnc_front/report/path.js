@@ -3,7 +3,7 @@ function pathView(canvas, onPick) {
   const { points, lines, rapid, um, signedUm, gap } = data.path, n = lines.length;
   const hover = document.getElementById("path-hover"), help = hover.textContent + (data.path.gap.includes(1) ? " " + words.thinned : "");
   hover.textContent = help;
-  const magnify = document.getElementById("magnify"), rapids = document.getElementById("rapids"), views = document.getElementById("views");
+  const magnify = document.getElementById("magnify"), rapids = document.getElementById("rapids"), coloured = document.getElementById("coloured"), views = document.getElementById("views");
   const pairs = [];
   for (let a = 0; a < Math.min(3, points.length); a++) for (let b = a + 1; b < Math.min(3, points.length); b++) pairs.push([a, b]);
   let view = pairs[0] || [0, 0], scale = 1, centre = [0, 0], found = -1, moved = 0, own = false;  // own: the user chose the view
@@ -16,7 +16,18 @@ function pathView(canvas, onPick) {
   const screen = (i) => [canvas.clientWidth / 2 + (points[view[0]][i] - centre[0]) * scale, canvas.clientHeight / 2 - (points[view[1]][i] - centre[1]) * scale];
   const shown = (i) => rapids.checked || !rapid[i];
 
+  /* Pieces of one cause after the other, so that each colour is one stroke. */
+  const strokeLimits = (c) => {
+    const { names, vertices } = data.limits;
+    for (let k = -1; k < names.length; k++) {
+      c.strokeStyle = k < 0 ? colour("todo") : hueOf(names[k]); c.lineWidth = k < 0 || names[k] === "feed" ? 1.4 : 2.4;
+      c.beginPath();
+      for (let i = 1; i < n; i++) if (!gap[i] && shown(i) && vertices[i] === k) { c.moveTo(...screen(i - 1)); c.lineTo(...screen(i)); }
+      c.stroke();
+    }
+  };
   const strokePath = (c) => {
+    if (coloured.value === "limit") return strokeLimits(c);
     for (const name of ["todo", "good", "warn", "bad"]) {
       c.strokeStyle = colour(name); c.lineWidth = name === "bad" ? 2.6 : name === "warn" ? 2 : 1.4;
       for (const fast of [0, 1]) {
@@ -64,7 +75,7 @@ function pathView(canvas, onPick) {
   });
   const say = (i) => {
     found = i;
-    hover.textContent = i < 0 ? help : words.line + " " + lines[i] + ":  " + data.axes.map((a, k) => a + " " + points[k][i].toFixed(4)).join("  ") + "   " + words.deviation + " " + (um[i] === null ? "-" : um[i].toFixed(2) + " µm");
+    hover.textContent = i < 0 ? help : words.line + " " + lines[i] + ":  " + data.axes.map((a, k) => a + " " + points[k][i].toFixed(4)).join("  ") + "   " + words.deviation + " " + (um[i] === null ? "-" : um[i].toFixed(2) + " µm") + (data.limits.vertices[i] < 0 ? "" : "   " + limitText(data.limits.names[data.limits.vertices[i]]));
   };
   const nearest = (px, py) => {
     let best = 14 ** 2, at = -1;
@@ -82,6 +93,9 @@ function pathView(canvas, onPick) {
   // where the path is dense, magnified deviations would cover it: the reader switches them on after zooming in
   const proper = n > 20000 ? 0 : [1, 10, 100, 1000, 10000].reduce((a, b) => worst / 1000 * b < size / 25 ? b : a, 1);
   for (const factor of [0, 10, 100, 1000, 10000]) { const o = document.createElement("option"); o.value = factor; o.textContent = factor ? "x" + factor : words.off; o.selected = factor === proper; magnify.append(o); }
+  const legends = [document.getElementById("path-legend"), document.createElement("span")];
+  legends[1].className = "legend"; legends[1].hidden = true; limitLegend(legends[1]); legends[0].after(legends[1]);
+  coloured.onchange = () => { legends.forEach((legend, k) => { legend.hidden = (k === 1) !== (coloured.value === "limit"); }); redraw(); };
   magnify.onchange = rapids.onchange = redraw;
   canvas.addEventListener("dblclick", again);
   canvas.addEventListener("wheel", (e) => {

@@ -14,7 +14,8 @@ const filter = table(canvas("blocks"), [
   { name: "rms_um", label: words.rms_um, digits: 2, extra: true }, { name: "verdict", label: words.verdict }, { name: "length_mm", label: words.length, digits: 3, extra: true },
   { name: "time_s", label: words.block_time, digits: 3 }, { name: "programmed_mm_min", label: words.f_prog, digits: 0, extra: true },
   { name: "mean_mm_min", label: words.f_mean, digits: 0, extra: true }, { name: "max_mm_min", label: words.f_max, digits: 0, extra: true },
-], data.blocks, { over: (row) => row.max_um > data.toleranceUm, pick: (row) => visit(row.vertex) });
+  { name: "limited", label: words.limited_by, text: true, extra: true },
+], data.blocks.map((row) => ({ ...row, limited: row.limit ? limitText(row.limit) + (row.limit_pct < 99.5 ? " " + row.limit_pct.toFixed(0) + " %" : "") : "" })), { over: (row) => row.max_um > data.toleranceUm, pick: (row) => visit(row.vertex) });
 
 const path = pathView(canvas("path"), (i, clicked) => {
   overLength.mark(i < 0 ? null : sMm[i]);
@@ -45,6 +46,8 @@ data.time.following.forEach((band, k) => {
 });
 chart(canvas("override"), { step: data.time.step, xLabel: words.machine_time, yLabel: "%", curves: [{ band: data.time.factor, colour: "good", text: "" }] });
 histogram(canvas("histogram"), data.histogram);
+limitLegend(canvas("limit-legend"));
+limitStrip(canvas("limits"));
 
 canvas("filter").addEventListener("input", (e) => filter(e.target.value));
 if (data.blocks.length < data.blockCount) canvas("block-note").textContent = words.worst_of.replace("{shown}", data.blocks.length).replace("{all}", data.blockCount);
