@@ -22,6 +22,8 @@ else
 export PATH := $(PATH):$(HOME)/.cargo/bin
 # property tests draw the same cases every time; another seed explores: make test PROPTEST_RNG_SEED=7 HYPOTHESIS_PROFILE=explore
 export PROPTEST_RNG_SEED ?= 1
+# what is run here stays out of the user's own history
+export CNC_FRONT_HISTORY ?= out/history.sqlite
 PY := .venv/bin/python
 NATIVE := cnc_front/_native.abi3.so
 RUST := Cargo.toml Cargo.lock $(shell find motion_kernel gcode toolpaths cnc_front \( -name '*.rs' -o -name Cargo.toml \))

@@ -11,7 +11,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from cnc_front import VERSION
+from cnc_front import VERSION, history_command
 from cnc_front.batch import arguments as batch_arguments
 from cnc_front.errors import CompileError, Exit, UsageError
 
@@ -22,6 +22,7 @@ EXAMPLES = """examples:
   cnc-front translate part.nc                    the spooled command sequence
   cnc-front tui part.nc                          operator's terminal
   cnc-front batch parts/ --machine mill.toml     many parts, with an index of the worst
+  cnc-front history --verdict FAIL --since 7d    what ran here before
 exit codes: 0 done; 1 a check failed; 2 bad input; 3 stopped by fault or time limit; 130 interrupted
 """
 
@@ -81,6 +82,8 @@ def build_parser() -> Parser:
     compiling.add_argument("--optional-stop", action="store_true", help="M01 stops")
     compiling.add_argument("--skip", metavar="N", type=_level, action="append", default=[], help="skip blocks /N")
 
+    keeping = Parser(add_help=False)
+    keeping.add_argument("--history", metavar="FILE", help="history of runs (default: CNC_FRONT_HISTORY; off: none)")
     part = Parser(add_help=False)
     part.add_argument("--from", dest="start", metavar="N", type=_block, help="begin at line 57 or block N120")
     part.add_argument("--to", dest="stop", metavar="N", type=_block, help="end behind that line or block")
@@ -94,7 +97,7 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"cnc-front {VERSION}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
 
-    run = commands.add_parser("run", parents=[compiling, part], help="dry-run a job and judge it")
+    run = commands.add_parser("run", parents=[compiling, part, keeping], help="dry-run a job and judge it")
     run.add_argument("job", metavar="JOB")
     run.add_argument("--override", metavar="SCHEDULE", default="1", help="0.5 or 0:1.0,2.5:0.5 (seconds:factor)")
     run.add_argument("--record", metavar="F.mcap", help="write a recording")
@@ -119,13 +122,18 @@ def build_parser() -> Parser:
     machine = commands.add_parser("machine", parents=[common], help="check or show a machine file")
     machine.add_argument("action", choices=("check", "show"))
     machine.add_argument("file", metavar="FILE", nargs="?")
-    tui = commands.add_parser("tui", parents=[compiling], help="operator's terminal")
+    _add_tui(commands, [compiling, keeping])
+    history_command.add(commands, common, keeping)
+    batch_arguments.add(commands, common, _seconds, _millimetres)
+    return parser
+
+
+def _add_tui(commands: Any, parents: list[Parser]) -> None:
+    tui = commands.add_parser("tui", parents=parents, help="operator's terminal")
     tui.add_argument("job", metavar="JOB", nargs="?")
     tui.add_argument("--task", metavar="N=JOB", action="append", default=[], help="a rw_SymPas job for another task")
     tui.add_argument("--glyphs", choices=("quadrant", "braille", "half", "ascii"), help="characters of the path plot")
     tui.add_argument("--theme", choices=("dark", "light", "mono"), help="colours")
-    batch_arguments.add(commands, common, _seconds, _millimetres)
-    return parser
 
 
 def run_command_line(arguments: Sequence[str]) -> int:

@@ -14,6 +14,7 @@ from typing import Any
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError, Exit, UsageError
 from cnc_front.german import in_language
+from cnc_front.history_command import keep_run
 from cnc_front.jobs import (
     CompiledJob,
     CompileOptions,
@@ -108,12 +109,13 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
         job = loaded.load(options)
         run_options = replace(run_options, stimulus=load_stimulus(options.stimulus, options.job, job.machine))
     except CompileError as error:
-        _print_diagnostics(error.diagnostics, options)
-        if options.json:
-            from cnc_front.verdict import failed_object
+        from cnc_front.verdict import failed_object
 
-            args = (options.job, loaded.source, options.machine, loaded.machine, error.diagnostics)
-            print(json.dumps(failed_object(*args), allow_nan=False))
+        _print_diagnostics(error.diagnostics, options)
+        failed = failed_object(options.job, loaded.source, options.machine, loaded.machine, error.diagnostics)
+        keep_run(failed, options, Exit.BAD_INPUT)
+        if options.json:
+            print(json.dumps(failed, allow_nan=False))
         return Exit.BAD_INPUT
     _print_warnings(job.warnings, options)
     _print_start(job, options)
@@ -121,6 +123,7 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
 
     result, verdict, run_object = run_and_write(job, run_options, options.tolerance, record, report, language)
     progress.end()
+    keep_run(run_object, options, verdict.exit)  # before printing: who reads stdout may stop reading
     if options.json:
         print(json.dumps(run_object, allow_nan=False))
     else:
@@ -194,6 +197,13 @@ def report(options: argparse.Namespace) -> int:
     return Exit.DONE
 
 
+def history(options: argparse.Namespace) -> int:
+    """`cnc-front history`."""
+    from cnc_front.history_command import history
+
+    return history(options)
+
+
 def machine(options: argparse.Namespace) -> int:
     """`cnc-front machine check|show`."""
     loaded = load_machine(options.file)
@@ -232,6 +242,7 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "check": check,
     "translate": translate,
     "report": report,
+    "history": history,
     "machine": machine,
     "tui": tui,
     "batch": batch,

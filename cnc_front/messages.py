@@ -79,6 +79,31 @@ TEXTS: dict[str, tuple[str, str]] = {
         "  Werkzeug {tool}, Länge {length} mm; Spindel {spindle}; Kühlmittel {coolant}; {feed}",
     ),
     "hint": ("hint", "Hinweis"),
+    "history_unusable": (
+        "CF501 {path}: the history cannot be used: {reason}; --history FILE chooses another, --history off none",
+        "CF501 {path}: der Verlauf ist nicht benutzbar: {reason}; --history DATEI wählt einen anderen, off keinen",
+    ),
+    "history_damaged": (
+        "CF502 {path}: damaged, or no history: {reason}; move it away, a new one is made",
+        "CF502 {path}: beschädigt oder kein Verlauf: {reason}; verschieben, ein neuer wird angelegt",
+    ),
+    "history_newer": (
+        "CF503 {path}: version {version} of a later cnc-front, this one knows {known}; --history FILE chooses another",
+        "CF503 {path}: Version {version} eines neueren cnc-front (hier {known}); --history DATEI wählt einen anderen",
+    ),
+    "history_none": ("no runs in {path}", "keine Läufe in {path}"),
+    "history_job": ("job", "Auftrag"),
+    "history_head": (
+        "number  date              {job}  verdict   max um  at               time   alarms  by",
+        "Nummer  Datum             {job}  Urteil    max um  bei              Zeit   Störg.  von",
+    ),
+    "history_alarm_head": (
+        "date              machine time  code  axis block    job                  text and remedy",
+        "Datum             Maschinenzeit Code  Achse Satz    Auftrag              Text und Abhilfe",
+    ),
+    "history_line": ("line", "Zeile"),
+    "history_seen": ("(acknowledged)", "(quittiert)"),
+    "history_hash": ("sha256", "sha256"),
     "log_event": ("{t_s:10.3f} s  line {line}: {kind} {text}", "{t_s:10.3f} s  Zeile {line}: {kind} {text}"),
 }
 

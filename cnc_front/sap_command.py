@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError, Exit, UsageError
+from cnc_front.history_command import keep_run
 from cnc_front.jobs import (
     CompileOptions,
     JobSource,
@@ -81,16 +82,18 @@ def run_sap(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int
         _, tasks = load_tasks(options)
         stimulus = load_stimulus(options.stimulus, options.job, machine)
     except CompileError as error:
-        _say(error.diagnostics, options)
-        if options.json:
-            from cnc_front.verdict import failed_object
+        from cnc_front.verdict import failed_object
 
-            args = (options.job, None, options.machine, machine, error.diagnostics)
-            print(json.dumps(failed_object(*args), allow_nan=False))
+        _say(error.diagnostics, options)
+        failed = failed_object(options.job, None, options.machine, machine, error.diagnostics)
+        keep_run(failed, options, Exit.BAD_INPUT)
+        if options.json:
+            print(json.dumps(failed, allow_nan=False))
         return Exit.BAD_INPUT
     for task in tasks:
         _say(task.warnings, options)
     run = SapRun(machine, tasks, SapOptions(options.max_time, interrupted, stimulus=stimulus)).run()
+    keep_run(run.as_json(), options, run.exit)
     print(json.dumps(run.as_json(), allow_nan=False) if options.json else run.as_text(language))
     return run.exit
 

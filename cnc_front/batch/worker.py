@@ -21,12 +21,12 @@ def limit_memory(mib: int) -> None:
 
 
 def dry_run(arguments: list[str]) -> dict[str, object]:
-    """`cnc-front run ... --json` inside this process."""
+    """`cnc-front run ... --json` inside this process; a batch has a store of its own and no place in the history."""
     from cnc_front.cli import run_command_line
 
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        code = run_command_line(["run", *arguments, "--json", "--quiet"])
+        code = run_command_line(["run", *arguments, "--json", "--quiet", "--history", "off"])
     text = out.getvalue().strip()
     return {"code": code, "run": json.loads(text) if text else None, "stderr": err.getvalue()[-4000:]}
 
