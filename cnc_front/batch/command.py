@@ -37,7 +37,8 @@ def batch(options: argparse.Namespace) -> int:
     store = Store(out)
     with interruptible() as interrupted:
         known = set() if options.again else store.known()
-        todo = [task for task in wanted if task.key not in known]
+        # the largest first: none of them is left for one worker at the end, when the others have nothing to do
+        todo = sorted((task for task in wanted if task.key not in known), key=lambda task: -task.part.bytes)
         size = sum(t.part.bytes + TASK_BYTES for t in todo)
         progress = Progress(len(wanted), len(wanted) - len(todo), size, options.quiet)
         for outcome in runner(options, interrupted)(todo):

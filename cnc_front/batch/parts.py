@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import glob
 import hashlib
+import os
 import re
 import zipfile
 from collections.abc import Iterator, Sequence
@@ -46,8 +47,9 @@ def find(paths: Sequence[str], unpacked: Path) -> list[Part]:
     UsageError for a path that leads to no part program.
     """
     found: dict[str, Part] = {}
+    folders = Folders()
     for path in paths:
-        parts = [part_of(name, file) for name, file in _files(path, unpacked)]
+        parts = [part_of(name, file, folders) for name, file in _files(path, unpacked)]
         if not parts:
             raise UsageError(f"no part program at {path} (endings: {' '.join(sorted(SUFFIXES))})")
         found |= {part.name: part for part in parts}
@@ -86,7 +88,7 @@ def _archive(archive: Path, unpacked: Path) -> Iterator[tuple[str, Path]]:
             yield f"{archive}/{file.relative_to(folder)}", file
 
 
-def part_of(name: str, file: Path) -> Part:
+def part_of(name: str, file: Path, folders: Folders) -> Part:
     """A part with the hash of its text and of the subprograms beside it that it names. An unreadable one is a part too:
     its run says what is wrong."""
     try:
@@ -94,31 +96,62 @@ def part_of(name: str, file: Path) -> Part:
     except OSError as error:
         return Part(name, file, hashlib.sha256(str(error).encode()).hexdigest(), 0)
     digest = hashlib.sha256(data)
-    for beside in _named_beside(file, data):
+    for beside in _named_beside(file, data, folders):
         digest.update(beside)
     return Part(name, file, digest.hexdigest(), len(data))
 
 
-def _named_beside(file: Path, data: bytes) -> list[bytes]:
+class Folders:
+    """What lies in the folders of the parts: each is looked at once, however many parts are in it."""
+
+    def __init__(self) -> None:
+        self._seen: dict[Path, dict[bytes, list[Path]]] = {}
+
+    def callable_in(self, folder: Path) -> dict[bytes, list[Path]]:
+        """Files that may be subprograms, by the word or the number with which a program may call them."""
+        if folder not in self._seen:
+            by_word: dict[bytes, list[Path]] = {}
+            for file in sorted(folder.iterdir()):
+                if file.is_file() and file.stat().st_size < BESIDE_BYTES:
+                    for word in _words_for(file):
+                        by_word.setdefault(word, []).append(file)
+            self._seen[folder] = by_word
+        return self._seen[folder]
+
+
+def _words_for(file: Path) -> set[bytes]:
+    """The name without its ending; of `O0100.nc` and `100.nc` the number too, without leading zeros."""
+    stem = os.fsencode(file.stem.lower())
+    number = re.fullmatch(rb"o?0*(\d+)", stem)
+    return {stem, number[1]} if number else {stem}
+
+
+#: Every byte that is part of no word becomes a blank; digits alone.
+_WORDS = bytes(b if b in b"abcdefghijklmnopqrstuvwxyz0123456789_" else 0x20 for b in range(256))
+_DIGITS = bytes(b if b in b"0123456789" else 0x20 for b in range(256))
+
+
+def _words_in(text: bytes) -> set[bytes]:
+    """Names and numbers in a text in lower case; of a number also without leading zeros."""
+    words = set(text.translate(_WORDS).split())
+    numbers = set(text.translate(_DIGITS).split())
+    return words | {word.lstrip(b"0123456789") for word in words} | {n.lstrip(b"0") or b"0" for n in numbers}
+
+
+def _named_beside(file: Path, data: bytes, folders: Folders) -> list[bytes]:
     """Texts of the files in the folder that the program, or one of those it names, may call: a call needs the name of
     the file or its number somewhere in the text."""
-    beside = (f for f in sorted(file.parent.iterdir()) if f != file and f.is_file())
-    others = {f.name: f for f in beside if f.stat().st_size < BESIDE_BYTES}
-    found: list[bytes] = []
-    pending = [data.lower()]
-    while pending and others:
-        text = pending.pop()
-        words = {*re.findall(rb"[a-z_]\w*", text), *re.findall(rb"\d+", text)}
-        for name in [n for n, f in others.items() if _called(f.stem.lower(), words)]:
-            called = others.pop(name).read_bytes()
-            found.append(name.encode() + b"\0" + called)
-            pending.append(called.lower())
+    others = folders.callable_in(file.parent)
+    seen, found, pending = {file}, [], [data]
+    while pending:
+        words = _words_in(pending.pop().lower())
+        called = {f for word in words & others.keys() for f in others[word]} - seen
+        for other in sorted(called):
+            text = other.read_bytes()
+            found.append(os.fsencode(other.name) + b"\0" + text)
+            pending.append(text)
+        seen |= called
     return found
-
-
-def _called(stem: str, words: set[bytes]) -> bool:
-    number = re.fullmatch(r"o?0*(\d+)", stem)
-    return stem.encode() in words or (number is not None and any(w.lstrip(b"0") == number[1].encode() for w in words))
 
 
 def tasks(parts: Sequence[Part], machines: Sequence[tuple[str, str, str]], options: Sequence[str]) -> list[Task]:

@@ -15,6 +15,9 @@ from typing import IO, Any
 from cnc_front.batch.parts import Task
 from cnc_front.errors import Exit
 
+#: Why a task has no answer: its worker died twice, gave no answer in time, or got no more memory.
+KILLED, HANGS, MEMORY = "killed", "hangs", "memory"
+
 
 @dataclass(frozen=True, slots=True)
 class Limits:
@@ -33,7 +36,7 @@ class Outcome:
     task: Task
     code: int
     run: dict[str, Any] | None
-    #: "", "killed" (the worker died), "hangs", "memory"
+    #: "", or why there is no answer
     lost: str
     stderr: str
     wall_s: float
@@ -75,11 +78,11 @@ class Worker:
         if not line:
             code = self._process.wait()
             # the allocator of Rust aborts where Python would raise
-            lost = "memory" if self._limits.max_memory_mib and code == -6 else "killed"
+            lost = MEMORY if self._limits.max_memory_mib and code == -6 else KILLED
             return self._lost(lost, f"the worker ended with {code}")
         answer = json.loads(line)
         wall = time.monotonic() - self.begun
-        lost = "memory" if answer.get("memory") else ""
+        lost = MEMORY if answer.get("memory") else ""
         outcome = Outcome(self.task, answer["code"], answer["run"], lost, answer["stderr"], wall)
         self.task = None
         return outcome
@@ -94,7 +97,7 @@ class Worker:
         assert self._process is not None
         self._process.kill()
         self._process.wait()
-        return self._lost("hangs", "no answer within the time limit")
+        return self._lost(HANGS, "no answer within the time limit")
 
     def _lost(self, how: str, why: str) -> Outcome:
         assert self.task is not None
@@ -116,9 +119,14 @@ def run_all(
     limits: Limits,
     interrupted: Callable[[], bool] = lambda: False,
 ) -> Iterator[Outcome]:
-    """Outcomes as they come, from `jobs` worker processes."""
+    """Outcomes as they come, from `jobs` worker processes.
+
+    A task whose worker died is tried once more: it may have been killed by somebody. One that kills its worker each
+    time is lost.
+    """
     waiting = deque(tasks)
     workers = [Worker(limits) for _ in range(max(1, min(jobs, len(waiting))))]
+    again: set[str] = set()
     try:
         with selectors.DefaultSelector() as selector:
             for worker in workers:
@@ -128,7 +136,12 @@ def run_all(
                 for worker in workers:
                     if worker in ready or worker.overdue():
                         selector.unregister(worker.answers)
-                        yield worker.take() if worker in ready else worker.kill()
+                        outcome = worker.take() if worker in ready else worker.kill()
+                        if outcome.lost == KILLED and outcome.task.key not in again:
+                            again.add(outcome.task.key)
+                            waiting.appendleft(outcome.task)
+                        else:
+                            yield outcome
                         _next(worker, waiting, arguments_of, selector)
     finally:
         for worker in workers:

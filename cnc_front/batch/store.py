@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from cnc_front.batch.pool import Outcome
+from cnc_front.batch.pool import HANGS, KILLED, Outcome
 
 #: Columns beside the key: name, SQL type. Figures come from `run --json`; null where a run has none.
 COLUMNS: dict[str, str] = {
@@ -42,6 +42,8 @@ COLUMNS: dict[str, str] = {
 }
 #: Columns that differ between two runs of the same: times on the wall.
 TIMES = frozenset({"wall_s"})
+#: Rows that say nothing of their part (its worker was killed, or too slow): the next batch tries again.
+UNSETTLED = f"reason IN ('{KILLED}', '{HANGS}')"
 NAME = "results.sqlite"
 
 Row = dict[str, Any]
@@ -64,8 +66,8 @@ class Store:
         self._base.close()
 
     def known(self) -> set[str]:
-        """Keys of the results that are there."""
-        return {row["key"] for row in self._base.execute("SELECT key FROM results")}
+        """Keys of the results that are there, without those that the next batch tries again."""
+        return {row["key"] for row in self._base.execute(f"SELECT key FROM results WHERE NOT {UNSETTLED}")}
 
     def put(self, outcome: Outcome) -> Row:
         """Keeps a result; one that another batch has just written stays."""
@@ -79,7 +81,7 @@ class Store:
                 row["before_deviation_mm"] = before["deviation_max_mm"]
                 row["before_time_s"] = before["machine_time_s"]
             self._base.execute(
-                "DELETE FROM results WHERE part = ? AND machine = ? AND key <> ?",
+                f"DELETE FROM results WHERE part = ? AND machine = ? AND (key <> ? OR {UNSETTLED})",
                 (row["part"], row["machine"], row["key"]),
             )
             names = ", ".join(row)

@@ -131,45 +131,88 @@ def known(out: Path) -> int:
         return 0  # the table is not there yet
 
 
-def test_a_killed_batch_goes_on_where_it_was(parts: Path, tmp_path: Path) -> None:
+#: Kills of a batch and of workers in the two tests below; BATCH_KILLS=10 is what issue 9 asks for.
+KILLS = int(os.environ.get("BATCH_KILLS", "3"))
+
+
+def begin(*arguments: object) -> subprocess.Popen[bytes]:
+    """A batch in a session of its own."""
+    quiet = subprocess.DEVNULL
+    return subprocess.Popen(command("batch", *arguments), cwd=ROOT, stdout=quiet, stderr=quiet, start_new_session=True)
+
+
+def workers_of(batch: subprocess.Popen[bytes]) -> list[int]:
+    """Processes that it has started."""
+    with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+        return [int(n) for n in Path(f"/proc/{batch.pid}/task/{batch.pid}/children").read_text().split()]
+    return []
+
+
+@pytest.fixture
+def whole(parts: Path, tmp_path: Path) -> list[dict[str, object]]:
+    """More parts, and what an undisturbed batch says of them."""
     for n in range(8, 20):
-        (parts / f"part{n}.nc").write_text(program(n, 60))
-    whole = tmp_path / "whole"
-    batch(parts, *machines(), "--out", whole, "--reports", 1)
-    out, dice, kills, had = tmp_path / "out", random.Random(5), 0, 0
-    for _ in range(4):
-        running = subprocess.Popen(
-            command("batch", parts, *machines(), "--out", out, "--reports", 1),
-            cwd=ROOT,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
-        had += dice.randint(1, 6)
-        while running.poll() is None and known(out) < had:
+        (parts / f"part{n}.nc").write_text(program(n, 60 + 300 * (n % 3)))
+    batch(parts, *machines(), "--out", tmp_path / "whole", "--reports", 1)
+    return results(tmp_path / "whole")
+
+
+def test_a_killed_batch_goes_on_where_it_was(parts: Path, whole: list[dict[str, object]], tmp_path: Path) -> None:
+    out, dice, kills = tmp_path / "out", random.Random(5), 0
+    goals = sorted(dice.sample(range(len(whole) - 2), KILLS))
+    for goal in goals:
+        running = begin(parts, *machines(), "--out", out, "--reports", 1)
+        while running.poll() is None and known(out) < goal:
             time.sleep(0.01)
+        time.sleep(dice.uniform(0, 0.1))
         kills += running.poll() is None
         with contextlib.suppress(ProcessLookupError):  # it was done already
             os.killpg(running.pid, signal.SIGKILL)
         running.wait()
-    assert kills
+    assert kills > KILLS // 2
     batch(parts, *machines(), "--out", out, "--reports", 1)
-    assert results(out) == results(whole)
+    assert results(out) == whole
 
 
-def test_a_killed_worker_costs_one_task(parts: Path, tmp_path: Path) -> None:
-    (parts / "long.nc").write_text(program(1, 30_000))
-    out = tmp_path / "out"
-    running = subprocess.Popen(command("batch", parts, "--out", out, "--jobs", "2", "--reports", 1), cwd=ROOT)
-    time.sleep(1.5)
-    children = Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split()
-    assert children
-    os.kill(int(children[0]), signal.SIGKILL)
+def test_killed_workers_cost_nothing(parts: Path, whole: list[dict[str, object]], tmp_path: Path) -> None:
+    out, dice, killed = tmp_path / "out", random.Random(6), 0
+    running = begin(parts, *machines(), "--out", out, "--reports", 1, "--jobs", 2)
+    for goal in sorted(dice.sample(range(1, len(whole) - 4), KILLS)):
+        while running.poll() is None and known(out) < goal:
+            time.sleep(0.01)
+        time.sleep(dice.uniform(0, 0.05))
+        for worker in workers_of(running)[:1]:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(worker, signal.SIGKILL)
+                killed += 1
     running.wait(timeout=300)
-    rows = results(out)
-    lost = [row for row in rows if row["reason"] == "killed"]
-    assert len(rows) == 9 and len(lost) <= 1
-    assert all(row["verdict"] == "PASS" for row in rows if row not in lost)
+    assert killed > KILLS // 2
+    # a task that lost two workers is lost, and found again by the next batch
+    batch(parts, *machines(), "--out", out, "--reports", 1)
+    assert results(out) == whole
+
+
+def test_a_part_that_kills_its_worker_is_lost_and_tried_again(
+    parts: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out, marks = tmp_path / "out", tmp_path / "marks"
+    (tmp_path / "sitecustomize.py").write_text(  # every worker dies of part3
+        "import sys, os, signal, pathlib\n"
+        "def look(event, args):\n"
+        "    if event == 'open' and str(args[0]).endswith('part3.nc') and 'cnc_front.batch.worker' in sys.orig_argv:\n"
+        f"        pathlib.Path({str(marks)!r}).open('a').write('x')\n"
+        "        os.kill(os.getpid(), signal.SIGKILL)\n"
+        "sys.addaudithook(look)\n"
+    )
+    with monkeypatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(tmp_path))
+        batch(parts, "--out", out, code=3)
+    assert marks.read_text() == "xx", "tried twice"
+    lost = {row["part"]: row["reason"] for row in results(out) if row["verdict"] == "FAIL"}
+    assert lost == {str(parts / "part3.nc"): "killed"}
+    again = batch(parts, "--out", out, "--json")
+    assert [Path(json.loads(line)["part"]).name for line in again.stdout.splitlines()] == ["part3.nc"]
+    assert {row["verdict"] for row in results(out)} == {"PASS"} and len(results(out)) == 8
 
 
 def test_two_batches_on_one_folder(parts: Path, tmp_path: Path) -> None:
