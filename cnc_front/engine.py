@@ -8,10 +8,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from cnc_front.search import Start
 
 
 class State(StrEnum):
@@ -30,6 +33,36 @@ class State(StrEnum):
     ALARM = "ALARM"
 
 
+class Mode(StrEnum):
+    """What moves the axes."""
+
+    AUTO = "AUTO"
+    MDI = "MDI"
+    MANUAL = "MANUAL"
+
+
+class Stop(StrEnum):
+    """The four stops (ui-guide section 4)."""
+
+    NONE = ""
+    HOLD = "HOLD"  # slows on the path, resumable
+    BLOCK_END = "BLOCK END"  # finishes the block, the spooler is kept
+    ABORT = "ABORT"  # brakes on the path, the spooler is dropped
+    FAST_STOP = "FAST STOP"  # each axis on its own ramp, contour left, the spooler is dropped
+
+
+@dataclass(frozen=True, slots=True)
+class Switches:
+    """What the operator switched on for a program; it counts when the program is loaded and started."""
+
+    optional_stop: bool = False
+    skip: tuple[int, ...] = ()
+    #: feed moves at the highest feed of the machine instead of F
+    dry_run: bool = False
+    #: the program runs, stops for nobody, and the axes stay where they are
+    program_test: bool = False
+
+
 @dataclass(frozen=True, slots=True)
 class AxisValues:
     """One axis, in its own unit (mm or degrees)."""
@@ -44,6 +77,12 @@ class AxisValues:
     referenced: bool
     spool_fill: float  # 0..1
     bits: tuple[str, ...]  # names of the axst bits that are set
+    limits: tuple[float, float] | None = None  # software limits
+    zero: float = 0.0  # work offset G54: program coordinate 0 in machine coordinates
+    #: kp, ki, kd, kpl, kfcv, kfca by name
+    gains: tuple[tuple[str, float], ...] = ()
+    #: how `home` finds its reference; empty: it cannot
+    homing: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +125,19 @@ class Snapshot:
     single_block: bool
     message: str = ""
     alarms: tuple[Alarm, ...] = ()
+    mode: Mode = Mode.AUTO
+    rapid_set: float = 1.0
+    switches: Switches = field(default_factory=Switches)
+    stop: Stop = Stop.NONE  # which stop the machine is in
+    since_s: float = 0.0  # machine time for which it stands or waits
+    waits_for: tuple[int, ...] = ()  # numbers of the inputs that it waits for
+    inputs: int = 0  # bit n: input n + 1 is active
+    outputs: int = 0
+    revision: int = 0  # counts the jobs taken over: another one is `job()` now
+    start_line: int = 0  # the loaded job begins at this line; 0: at its top
+    mdi: str = ""  # the MDI block that was checked and may be started
+    mdi_modal: str = ""  # modal state of MDI, behind its last block
+    output: tuple[str, ...] = ()  # what rw_SymPas statements wrote, newest last
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +169,15 @@ class Engine(Protocol):
     def load(self, path: str) -> Job:
         """Compiles a job (may take seconds: call it from a worker). Raises CompileError, no motion starts."""
 
+    def job(self) -> Job | None:
+        """The loaded job; a new one where the machine moved or switches changed since it was checked."""
+
+    def search(self, block: str) -> Start:
+        """The state before a block of the loaded job ("N120", "57" for a line), from a worker. Raises CompileError."""
+
+    def start_at(self, block: str) -> Job:
+        """Loads the job again, to begin at a block (empty: at its top), from a worker. Raises CompileError."""
+
     def start(self) -> None: ...
     def hold(self) -> None: ...
     def resume(self) -> None: ...
@@ -128,6 +189,34 @@ class Engine(Protocol):
     def set_single_block(self, on: bool) -> None: ...
     def set_speed(self, factor: float) -> None:
         """Simulated seconds per wall second; 0 runs as fast as possible."""
+
+    def set_rapid(self, factor: float) -> None:
+        """Rapid override: TROVR is the lower of both while a rapid block is current (design D30)."""
+
+    def set_switches(self, switches: Switches) -> None:
+        """Only while no job is under way: the loaded job is compiled again with them before it starts."""
+
+    # ---- manual: only while no job is under way and no axis moves
+
+    def jog(self, axis: str, distance: float) -> None:
+        """One step of an axis, mm or degrees; dropped while a step is under way."""
+
+    def home(self, axes: Sequence[str]) -> None:
+        """Searches the reference of the axes, one after the other."""
+
+    def set_zero(self, axis: str) -> None:
+        """Work offset G54 of an axis: its program coordinate is 0 here."""
+
+    def force_input(self, number: int, on: bool) -> None:
+        """Makes a simulated input (1 to 16) active or inactive."""
+
+    # ---- MDI
+
+    def check_mdi(self, text: str) -> None:
+        """Checks one block, G-code or (ending with `;`) a rw_SymPas statement, from a worker; `start_mdi` executes it.
+        Raises CompileError with lines and columns of the block, UsageError while a job is under way."""
+
+    def start_mdi(self) -> None: ...
 
     def snapshot(self) -> Snapshot: ...
     def new_deviation(self, since: int) -> tuple[int, NDArray[np.float32]]:

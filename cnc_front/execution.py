@@ -92,6 +92,8 @@ class Execution:
     stimulus: native_kernel.Stimulus | None = None
     #: run and batch acknowledge M00, M06 ... at the next sample (design D29); the terminal waits for the operator
     acknowledges: bool = True
+    #: a controller that is ready for part programs already; a new one without
+    on: native_kernel.Mcu | None = None
     mcu: native_kernel.Mcu = field(init=False)
     sample_time_s: float = field(init=False)
     alarms: list[AlarmEvent] = field(init=False, default_factory=list)
@@ -118,8 +120,9 @@ class Execution:
         self.sample_time_s = machine.sample_time_us * 1e-6
         self._axes = list(machine.axis_names)
         self._events = self.job.program.events()
-        self.mcu = native_kernel.Mcu(machine)
-        self.mcu.prepare_gcode()
+        self.mcu = self.on or native_kernel.Mcu(machine)
+        if self.on is None:
+            self.mcu.prepare_gcode()
         if self.job.source.language == "din66025":
             problems = not_ready(self.mcu, machine, shown(self.job.source.path))
             if problems:

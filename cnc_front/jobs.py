@@ -104,6 +104,10 @@ class CompileOptions:
     strict: bool = False
     #: language of messages
     messages: str = "en"
+    #: dry-run feed, mm/s: feed moves go at it instead of F
+    dry_feed: float | None = None
+    #: a block of MDI: the end of a program is neither executed nor missed
+    mdi: bool = False
 
 
 def read_bytes(path: str, limit: int, id: str) -> bytes:
@@ -201,6 +205,8 @@ def diagnose(
         start=options.start,
         stop=options.stop,
         strict=options.strict,
+        dry_feed=options.dry_feed,
+        mdi=options.mdi,
     )
     return program, tuple(Diagnostic(*row) for row in rows), facts
 

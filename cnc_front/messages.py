@@ -104,6 +104,40 @@ TEXTS: dict[str, tuple[str, str]] = {
     "history_line": ("line", "Zeile"),
     "history_seen": ("(acknowledged)", "(quittiert)"),
     "history_hash": ("sha256", "sha256"),
+    "override_refused": (
+        "override {factor:g} refused: above 0 up to 10",
+        "Vorschubkorrektur {factor:g} abgelehnt: über 0 bis 10",
+    ),
+    "switches_refused": (
+        "refused: the blocks are in the spooler already; M01, SKP, DRY and PRT change at standstill, before the start",
+        "abgelehnt: die Sätze sind schon im Spooler; M01, SKP, DRY und PRT nur vor dem Start, im Stillstand",
+    ),
+    "hand_refused": (
+        "refused: the machine is busy; ^X ends the job",
+        "abgelehnt: Maschine belegt; ^X beendet den Auftrag",
+    ),
+    "hand_alarm": ("refused: alarm; ^X Enter resets", "abgelehnt: Störung; ^X Enter setzt zurück"),
+    "jog_limit": (
+        "{axis}: the step would pass the software limit",
+        "{axis}: der Schritt ginge über den Software-Endschalter",
+    ),
+    "jog_loop": ("{axis}: the loop is open", "{axis}: der Regelkreis ist offen"),
+    "jog_discarded": ("{axis}: the step was discarded", "{axis}: der Schritt wurde verworfen"),
+    "home_missing": (
+        "{axes}: the machine file has no reference switch and no periodic index",
+        "{axes}: die Maschinendatei hat keinen Referenzschalter und keinen periodischen Index",
+    ),
+    "home_failed": ("{axis}: reference not found", "{axis}: Referenz nicht gefunden"),
+    "home_stuck": ("{axis}: the reference switch stays active", "{axis}: der Referenzschalter bleibt aktiv"),
+    "sap_failed": ("runtime error {errnum:04X} hex", "Laufzeitfehler {errnum:04X} hex"),
+    "bench_fault": ("FAST STOP: {axis} {name}", "SCHNELLHALT: {axis} {name}"),
+    "no_job": ("no job is loaded", "kein Auftrag geladen"),
+    "mdi_again": ("the machine has moved: Enter checks the block again", "Maschine bewegt: Enter prüft den Satz neu"),
+    "checked_again": (
+        "checked again from where the machine stands; r starts",
+        "neu geprüft ab der jetzigen Stellung; r startet",
+    ),
+    "not_checked": ("not started: {finding}", "nicht gestartet: {finding}"),
     "log_event": ("{t_s:10.3f} s  line {line}: {kind} {text}", "{t_s:10.3f} s  Zeile {line}: {kind} {text}"),
 }
 

@@ -2,7 +2,8 @@
 
 It steps the same `Execution` as `cnc-front run`; pacing only chooses how many samples pass per slice, so a paced
 run is the same run, throttled from outside. Wishes of the operator are put into a queue and obeyed between
-slices; what the controller then reports is published as an immutable Snapshot.
+slices; what the controller then reports is published as an immutable Snapshot. Between runs the machine stands on
+a `Bench`: each run begins where the one before, or the operator by hand, left it.
 """
 
 from __future__ import annotations
@@ -10,33 +11,40 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cnc_front.engine import Job, Snapshot, State
-from cnc_front.errors import UsageError
+from cnc_front.engine import Job, Snapshot, State, Switches
+from cnc_front.errors import CompileError, UsageError
 from cnc_front.jobs import CompileOptions
-from cnc_front.sim_job import LoadedJob, load_job, run_time_s
-from cnc_front.sim_run import SimRun
-from cnc_front.sim_view import Operator, empty_snapshot, snapshot
+from cnc_front.messages import text
+from cnc_front.search import Start
+from cnc_front.sim_job import LoadedJob, run_time_s
+from cnc_front.sim_load import Asked, Loaded, Loader
+from cnc_front.sim_machine import SimMachine
+from cnc_front.sim_view import Operator
 
 #: Samples per slice: some 5 ms of work, so that a feed hold is obeyed well within 100 ms.
 SLICE = 8192
+#: Samples per slice while the rapid override is the lower one: it must know when a rapid block begins and ends.
+RAPID_SLICE = 32
 #: Wall seconds between slices of a paced run.
 TICK_S = 0.008
 #: A paced run that falls behind by more than this starts its clock anew instead of catching up.
 LAG_S = 0.25
 #: Wall seconds between copies of the deviation per vertex.
 DEVIATION_S = 0.05
+#: A program that is checked again before its start starts by itself only within this time of the key, s.
+PROMPT_S = 1.0
 
 _NOTHING: tuple[int, NDArray[np.float32]] = (0, np.zeros(0, np.float32))
 
 
 class SimEngine:
-    """The Engine protocol of cnc_front.engine on the emulator. Every call but `load` returns at once."""
+    """The Engine protocol of cnc_front.engine on the emulator. Calls for a worker say so; others return at once."""
 
     def __init__(
         self,
@@ -46,15 +54,14 @@ class SimEngine:
         language: str = "en",
         speed: float = 1.0,
     ) -> None:
-        """`machine`: path of a machine file (None: as design 3.1). `speed`: see `set_speed`."""
-        self._machine = machine
-        self._options = options or CompileOptions()
+        """`machine`: path of a machine file (None: as design 3.1). `speed`: see `set_speed`. Raises CompileError."""
+        self._loader = Loader(machine, options or CompileOptions())
         self._language = language
-        self._operator = Operator(speed=max(0.0, speed))
+        switches = Switches(self._loader.options.optional_stop, tuple(self._loader.options.block_delete))
+        self._operator = Operator(speed=max(0.0, speed), switches=switches)
+        self._machine = SimMachine(self._loader.first_bench(), self._operator, language)
         self._wishes: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
-        self._loaded: LoadedJob | None = None
-        self._run: SimRun | None = None
-        self._snapshot = empty_snapshot(self._operator)
+        self._snapshot = self._machine.snapshot()
         self._deviation = _NOTHING
         self._deviation_at = 0.0
         self._clock = (0.0, 0)
@@ -62,28 +69,62 @@ class SimEngine:
         self._thread = threading.Thread(target=self._work, name="sim-engine", daemon=True)
         self._thread.start()
 
-    # ---- what the operator wants
+    # ---- what takes time: call it from a worker
 
     def load(self, path: str) -> Job:
-        """Compiles a job; call it from a worker. Raises CompileError, or UsageError while another job runs."""
-        if self._run is not None and self._run.is_underway:
-            raise UsageError("a job is running; reset it first")
-        loaded = load_job(path, self._machine, self._options)
-        self._wish(lambda: self._take_job(loaded))
-        threading.Thread(target=self._estimate, args=(loaded,), name="sim-estimate", daemon=True).start()
-        return loaded.view
+        """Compiles a job. Raises CompileError, or UsageError while another job runs."""
+        return self._load(path, None)
+
+    def _load(self, path: str, start: str | None) -> Job:
+        self._refuse_while_busy()
+        loaded = self._loader.load(path, start, self._operator.switches, self._machine.bench)
+        self._wish(lambda: self._take(loaded))
+        return loaded.job.view
+
+    def _refuse_while_busy(self) -> None:
+        if not self._machine.is_free:
+            raise UsageError(text("hand_refused", self._language))
+
+    def search(self, block: str) -> Start:
+        """The state before a block of the loaded job. Raises CompileError, UsageError without a job."""
+        return self._loader.search(self._has_job(), block)
+
+    def start_at(self, block: str) -> Job:
+        """Loads the job again, to begin at a block; empty: at its top. Raises CompileError, UsageError."""
+        return self._load(self._has_job().asked.path, block or None)
+
+    def _has_job(self) -> Loaded:
+        if self._machine.loaded is None:
+            raise UsageError(text("no_job", self._language))
+        return self._machine.loaded
+
+    def check_mdi(self, block: str) -> None:
+        """Checks one block; `start_mdi` executes it. Raises CompileError, or UsageError while something moves."""
+        self._refuse_while_busy()
+        bench, mdi = self._machine.bench, self._machine.mdi
+        options = self._loader.compile_options(Switches(), bench.file)
+        checked = mdi.check(block, bench.file, bench.place, options)
+        self._wish(lambda: self._machine.take_block(checked))
+
+    # ---- what the operator wants
+
+    def job(self) -> Job | None:
+        """The loaded job."""
+        loaded = self._machine.loaded
+        return loaded.job.view if loaded is not None else None
 
     def start(self) -> None:
-        """Starts the loaded job from its beginning, or goes on where it stands."""
+        """Starts the loaded job, or goes on where it stands. Where the machine or the switches have changed since the
+        job was checked, it is checked again first; if that takes long, it has to be started again."""
         self._wish(self._start)
 
     def hold(self) -> None:
         """Feed hold: brakes on the path; `resume` goes on (design D5)."""
-        self._wish(self._hold)
+        self._wish(self._machine.hold)
 
     def resume(self) -> None:
         """Goes on after a hold, a block end or a programmed stop."""
-        self._wish(self._resume)
+        self._wish(lambda: self._paced(self._machine.resume))
 
     def step(self) -> None:
         """Executes one block; sets single block if it is off."""
@@ -91,19 +132,47 @@ class SimEngine:
 
     def reset(self) -> None:
         """Brakes on the path and drops the spooler; the job must be started again. Clears an ended job."""
-        self._wish(self._reset)
+        self._wish(lambda: self._paced(self._machine.reset))
 
     def set_override(self, factor: float) -> None:
         """Feed override from the next sample on, ramped with TROVRST; factors of 0 and less are refused."""
-        self._wish(lambda: self._set_override(factor))
+        self._wish(lambda: self._machine.set_override(factor))
+
+    def set_rapid(self, factor: float) -> None:
+        """Rapid override, up to 1: the lower one of both counts while a rapid block is current (design D30)."""
+        self._wish(lambda: self._machine.set_rapid(factor))
 
     def set_single_block(self, on: bool) -> None:
         """Stops at the end of each block, from the present one on (the next, if it leaves no room to brake)."""
-        self._wish(lambda: self._set_single_block(on))
+        self._wish(lambda: self._machine.set_single_block(on))
+
+    def set_switches(self, switches: Switches) -> None:
+        """Refused while a job is under way; the loaded job is checked again with them before it starts."""
+        self._wish(lambda: self._machine.set_switches(switches))
 
     def set_speed(self, factor: float) -> None:
         """Simulated seconds per wall second; 0 runs as fast as possible."""
         self._wish(lambda: self._set_speed(factor))
+
+    def jog(self, axis: str, distance: float) -> None:
+        """One step of an axis; dropped while a step is under way."""
+        self._wish(lambda: self._paced(lambda: self._machine.jog(axis, distance)))
+
+    def home(self, axes: Sequence[str]) -> None:
+        """Searches the reference of axes, one after the other."""
+        self._wish(lambda: self._paced(lambda: self._machine.home(axes)))
+
+    def set_zero(self, axis: str) -> None:
+        """Work offset G54 of an axis is here."""
+        self._wish(lambda: self._machine.set_zero(axis))
+
+    def force_input(self, number: int, on: bool) -> None:
+        """Makes a simulated input active or inactive."""
+        self._wish(lambda: self._machine.force_input(number, on))
+
+    def start_mdi(self) -> None:
+        """Executes the block that was checked."""
+        self._wish(lambda: self._paced(self._machine.start_mdi))
 
     # ---- what the controller reports
 
@@ -149,14 +218,13 @@ class SimEngine:
     def _obey_and_run(self) -> None:
         while not self._closing.is_set():
             self._obey()
-            if self._run is not None and self._run.moves_on:
-                self._pass_time(self._run)
+            if self._machine.moves_on:
+                self._pass_time()
             self._publish()
 
     def _obey(self) -> None:
         """Carries out what is in the queue; waits for it while nothing moves or a paced run is ahead."""
-        running = self._run is not None and self._run.moves_on
-        pause = (0.0 if self._operator.speed == 0 else TICK_S) if running else 0.5
+        pause = (0.0 if self._operator.speed == 0 else TICK_S) if self._machine.moves_on else 0.5
         try:
             wish = self._wishes.get(timeout=pause) if pause else self._wishes.get_nowait()
             while True:
@@ -165,103 +233,94 @@ class SimEngine:
         except queue.Empty:
             return
 
-    def _pass_time(self, run: SimRun) -> None:
-        samples = SLICE
+    def _pass_time(self) -> None:
+        machine, samples = self._machine, SLICE
         if self._operator.speed > 0:
             began, first = self._clock
-            rate = self._operator.speed / run.execution.sample_time_s
-            due = int((time.monotonic() - began) * rate) - (run.samples - first)
+            rate = self._operator.speed / (machine.bench.file.machine.sample_time_us * 1e-6)
+            due = int((time.monotonic() - began) * rate) - (machine.samples - first)
             if due > rate * LAG_S and due > SLICE:
                 self._restart_clock()
             samples = min(due, SLICE)
-        if samples > 0:
-            run.advance(samples)
+        until = time.monotonic() + TICK_S
+        while samples > 0 and machine.moves_on:
+            part = min(samples, RAPID_SLICE) if machine.is_sliced else samples
+            machine.advance(part)
+            samples -= part
+            if time.monotonic() > until:
+                break
 
     def _restart_clock(self) -> None:
-        self._clock = (time.monotonic(), self._run.samples if self._run is not None else 0)
+        self._clock = (time.monotonic(), self._machine.samples)
+
+    def _paced(self, wish: Callable[[], None]) -> None:
+        """A wish after which something may move: its time counts from now on."""
+        wish()
+        self._restart_clock()
 
     def _publish(self) -> None:
-        if self._loaded is None:
-            self._snapshot = empty_snapshot(self._operator)
-            return
-        run = self._run
-        now = time.monotonic()
-        if run is not None and (now - self._deviation_at > DEVIATION_S or not run.moves_on):
+        run, now = self._machine.run, time.monotonic()
+        if run is None or run.loaded is not self._shown_job():
+            self._deviation = _NOTHING
+        elif now - self._deviation_at > DEVIATION_S or not run.moves_on:
             self._deviation, self._deviation_at = run.driven(), now
-        self._snapshot = snapshot(self._loaded, run, self._operator, self._language)
+        self._snapshot = self._machine.snapshot()
 
-    def _take_job(self, loaded: LoadedJob) -> None:
-        self._loaded, self._run, self._deviation = loaded, None, _NOTHING
-        self._operator.message = ""
-
-    def _estimate(self, loaded: LoadedJob) -> None:
-        """The machine time of the whole job, from a run of its own in the background."""
-
-        def superseded() -> bool:
-            return self._closing.is_set() or self._loaded not in (None, loaded)
-
-        loaded.time_total_s = run_time_s(loaded.job, superseded)
+    def _shown_job(self) -> LoadedJob | None:
+        return self._machine.loaded.job if self._machine.loaded is not None else None
 
     # ---- wishes, obeyed in the engine's thread
 
+    def _take(self, loaded: Loaded) -> None:
+        self._machine.take(loaded)
+        threading.Thread(target=self._estimate, args=(loaded.job,), name="sim-estimate", daemon=True).start()
+
+    def _estimate(self, job: LoadedJob) -> None:
+        """The machine time of the whole job, from a run of its own in the background."""
+
+        def superseded() -> bool:
+            return self._closing.is_set() or self._shown_job() is not job
+
+        job.time_total_s = run_time_s(job.job, superseded)
+
     def _start(self) -> None:
-        if self._loaded is None:
-            return
-        if self._run is not None and not self._run.is_over:
-            self._resume()
-            return
-        self._run = SimRun(self._loaded, self._operator.override)
-        self._deviation = _NOTHING
-        self._operator.message = ""
-        if self._operator.single_block:
-            self._run.step_block()
-        self._restart_clock()
-
-    def _hold(self) -> None:
-        if self._run is not None and not self._run.is_over:
-            self._run.hold()
-
-    def _resume(self) -> None:
-        if self._run is not None and not self._run.is_over:
-            self._run.go_on(self._operator.single_block)
-            self._restart_clock()
+        machine = self._machine
+        asked = machine.stale() if machine.is_free else None
+        if asked is None:
+            self._paced(machine.start)
+        else:
+            threading.Thread(target=self._check_again, args=(asked, False), name="sim-check", daemon=True).start()
 
     def _step(self) -> None:
-        self._operator.single_block = True
-        if self._run is None or self._run.is_over:
-            self._start()
-        elif self._run.at_rest:
-            self._run.go_on(single_block=True)
-            self._restart_clock()
-
-    def _reset(self) -> None:
-        if self._run is None:
-            return
-        if self._run.is_over:
-            self._run, self._deviation = None, _NOTHING
+        machine = self._machine
+        asked = machine.stale() if machine.is_free else None
+        if asked is None:
+            self._paced(machine.step)
         else:
-            self._run.abort()
-            self._restart_clock()
+            threading.Thread(target=self._check_again, args=(asked, True), name="sim-check", daemon=True).start()
 
-    def _set_override(self, factor: float) -> None:
-        if not 0 < factor <= 10:
-            self._operator.message = f"override {factor:g} refused: above 0 up to 10"
+    def _check_again(self, asked: Asked, step: bool) -> None:
+        began = time.monotonic()
+        try:
+            loaded = self._loader.load(asked.path, asked.start, asked.switches, self._machine.bench)
+        except CompileError as error:
+            reason = str(error.diagnostics[0]).partition("\n")[0]
+            self._wish(lambda: self._tell("not_checked", finding=reason))
             return
-        self._operator.override = factor
-        if self._run is not None and not self._run.is_over:
-            self._run.execution.set_override(factor)
+        self._wish(lambda: self._begin(loaded, step, time.monotonic() - began <= PROMPT_S))
 
-    def _set_single_block(self, on: bool) -> None:
-        self._operator.single_block = on
-        run = self._run
-        if run is None or run.is_over or run.at_rest:
+    def _begin(self, loaded: Loaded, step: bool, prompt: bool) -> None:
+        machine = self._machine
+        if not machine.is_free:
             return
-        if on:
-            run.hold_at_block_end()
-        elif run.between_blocks:
-            run.go_on(single_block=False)
-        elif not run.holding:
-            run.set_stepping(False)
+        self._take(loaded)
+        if not prompt or machine.stale() is not None:
+            self._tell("checked_again")
+        else:
+            self._paced(machine.step if step else machine.start)
+
+    def _tell(self, id: str, **values: object) -> None:
+        self._operator.message = text(id, self._language, **values)
 
     def _set_speed(self, factor: float) -> None:
         self._operator.speed = max(0.0, factor)

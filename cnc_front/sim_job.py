@@ -16,7 +16,7 @@ from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import toolpaths as native_paths
 from cnc_front.engine import Job, PathPlot
 from cnc_front.execution import End, Execution
-from cnc_front.jobs import CompiledJob, CompileOptions, compile_job, load_machine, load_stimulus, read_job
+from cnc_front.jobs import CompiledJob, CompileOptions, JobSource, MachineFile, StimulusFile, compile_job
 
 #: Chords of the plotted path deviate by at most this, mm; and it has at most so many points.
 CHORD_MM = 0.01
@@ -65,23 +65,24 @@ class LoadedJob:
         return changes[index - 1][1] if index else None
 
 
-def load_job(path: str, machine: str | None, options: CompileOptions) -> LoadedJob:
-    """Reads, compiles and draws a job. Raises CompileError with every diagnostic."""
-    compiled = compile_job(read_job(path, options.language), load_machine(machine, path), options)
+def load_source(
+    source: JobSource, machine: MachineFile, options: CompileOptions, stimulus: StimulusFile | None
+) -> LoadedJob:
+    """Compiles and draws a job. Raises CompileError with every diagnostic."""
+    compiled = compile_job(source, machine, options)
     programmed = native_paths.Path(compiled.program.sequence())
     line = programmed.polyline(CHORD_MM, MAX_POINTS)
     blocks = programmed.blocks()
     names = list(compiled.machine.machine.axis_names)
     view = Job(
-        path=path,
-        name=Path(path).name,
-        lines=compiled.source.text().splitlines(),
+        path=source.path,
+        name=Path(source.path).name,
+        lines=source.text().splitlines(),
         plot=_plot(line, names),
         extents=dict(zip(names, programmed.extents, strict=True)),
         tolerance_mm=compiled.machine.machine.tolerance_mm,
         warnings=tuple(f"{d.line}:{d.column}: {d.id}: {d.message}" for d in compiled.warnings),
     )
-    stimulus = load_stimulus(None, path, compiled.machine)
     return LoadedJob(
         compiled,
         stimulus.stimulus if stimulus else None,

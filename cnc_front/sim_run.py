@@ -7,20 +7,31 @@ from numpy.typing import NDArray
 
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import toolpaths as native_paths
+from cnc_front.engine import Stop
 from cnc_front.execution import End, Execution
 from cnc_front.sim_job import LoadedJob
 
 #: Machine time that still passes after the axes have come to rest, so that the actual positions arrive, s.
 SETTLE_S = 0.2
+#: Bit of Chunk.flags: a rapid block is current.
+RAPID = 2
 
 
 class SimRun:
     """From start to end of a job. Not safe across threads: only the engine's thread calls it."""
 
-    def __init__(self, loaded: LoadedJob, override: float) -> None:
+    def __init__(
+        self, loaded: LoadedJob, override: float, mcu: native_kernel.Mcu | None = None, *, is_test: bool = False
+    ) -> None:
+        """`mcu`: a controller that is ready and stands where the job begins. `is_test`: nobody is waited for."""
         machine = loaded.job.machine.machine
-        self.loaded = loaded
-        self.execution = Execution(loaded.job, ((0.0, override),), acknowledges=False, stimulus=loaded.stimulus)
+        self.loaded, self.is_test = loaded, is_test
+        self.execution = Execution(
+            loaded.job, ((0.0, override),), acknowledges=is_test, stimulus=loaded.stimulus, on=mcu
+        )
+        #: block search calls the tool that is in the spindle: nobody is asked
+        self.tool_is_in = False
+        self._factor = override
         self.tracker = native_paths.Tracker(
             loaded.path,
             sample_time_s=self.execution.sample_time_s,
@@ -75,6 +86,9 @@ class SimRun:
             return
         if len(chunk):
             self._measure(chunk)
+        if self.execution.waits and self.tool_is_in:
+            self.tool_is_in = False
+            self.execution.acknowledge()
         if self.at_rest:
             settle = round(SETTLE_S / self.execution.sample_time_s)
             self._settle = max(0, self._settle - max(1, len(chunk))) if rested else settle
@@ -87,6 +101,24 @@ class SimRun:
             self.deviation_max_line = int(chunk.line[worst])
         self.deviation_now_mm = float(deviation[-1])
         self.flags = int(chunk.flags[-1])
+
+    def balance(self, feed: float, rapid: float) -> None:
+        """Sends the override that counts now: the lower one while a rapid block is current (design D30)."""
+        factor = min(feed, rapid) if self.flags & RAPID else feed
+        if factor != self._factor:
+            self._factor = factor
+            self.execution.set_override(factor)
+
+    @property
+    def stop(self) -> Stop:
+        """Which of the four stops the machine is in."""
+        if self.execution.fault is not None:
+            return Stop.FAST_STOP
+        if self.aborted:
+            return Stop.ABORT
+        if self.holding and not self.between_blocks:
+            return Stop.HOLD
+        return Stop.BLOCK_END if self.at_rest else Stop.NONE
 
     def driven(self) -> tuple[int, NDArray[np.float32]]:
         """How many vertices of the plot are done, and the largest deviation up to each, mm."""

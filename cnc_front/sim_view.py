@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
+from cnc_front._native import motion_kernel as native_kernel
 from cnc_front.alarms import alarm_text
-from cnc_front.engine import Alarm, AxisValues, Snapshot, State
+from cnc_front.engine import Alarm, AxisValues, Mode, Snapshot, State, Stop, Switches
 from cnc_front.execution import AlarmEvent, End
+from cnc_front.sim_bench import Bench
 from cnc_front.sim_job import LoadedJob
 from cnc_front.sim_run import SimRun
 
@@ -20,64 +22,114 @@ SPEED_CD = 200
 
 @dataclass(slots=True)
 class Operator:
-    """What the operator last asked for; it acts when the controller takes it over."""
+    """What the operator last asked for, as far as it was accepted."""
 
     override: float = 1.0
+    rapid: float = 1.0
     single_block: bool = False
     speed: float = 1.0
+    switches: Switches = field(default_factory=Switches)
     message: str = ""
 
 
-def empty_snapshot(operator: Operator) -> Snapshot:
-    """Nothing is loaded."""
+@dataclass(frozen=True, slots=True)
+class Common:
+    """What every snapshot is made of, beside the run."""
+
+    operator: Operator
+    loaded: LoadedJob | None
+    bench: Bench
+    mode: Mode
+    stop: Stop
+    revision: int
+    start_line: int
+    mdi: str
+    mdi_modal: str
+    language: str
+
+
+def bench_snapshot(common: Common) -> Snapshot:
+    """No program has begun, or the last one was put away: the machine stands, or moves by the operator's hand."""
+    bench, loaded, operator = common.bench, common.loaded, common.operator
+    status = bench.mcu.status()
+    state, why = _bench_state(common)
     return Snapshot(
-        state=State.NO_JOB,
-        why="",
+        state=state,
+        why=why,
         machine_time_s=0.0,
         line=0,
-        axes=(),
         feed_programmed=0.0,
-        feed_actual=0.0,
-        override_set=operator.override,
+        feed_actual=status["path_v"] * 60.0,
         override_effective=operator.override,
         path_done_mm=0.0,
-        path_total_mm=0.0,
-        time_total_s=None,
+        path_total_mm=loaded.path.length_mm if loaded else 0.0,
+        time_total_s=loaded.time_total_s if loaded else None,
         deviation_now_mm=0.0,
         deviation_max_mm=0.0,
         deviation_max_line=0,
         spool_empty_s=0.0,
-        modal="",
+        modal=(loaded.fact("modal", 1) or "") if loaded else "",
         tool=0,
-        spindle="",
-        coolant="",
-        speed_factor=operator.speed,
-        single_block=operator.single_block,
+        spindle=_spindle(bench.mcu, status),
+        coolant=_coolant(status),
         message=operator.message,
+        stop=common.stop,
+        inputs=_inputs(bench.mcu),
+        outputs=_outputs(status),
+        **_shared(common, status),
     )
 
 
-def snapshot(loaded: LoadedJob, run: SimRun | None, operator: Operator, language: str) -> Snapshot:
-    """The loaded job and, once it was started, what its run reports."""
-    if run is None:
-        return _before_start(loaded, operator)
-    status = run.execution.mcu.status()
+def _bench_state(common: Common) -> tuple[State, str]:
+    bench = common.bench
+    if bench.is_busy:
+        if bench.held:
+            return (State.HOLDING if bench.moves_on else State.HOLD), "hold"
+        return State.RUNNING, bench.doing
+    return (State.READY if common.loaded else State.NO_JOB), ""
+
+
+def _shared(common: Common, status: dict[str, Any]) -> dict[str, Any]:
+    """What both kinds of snapshot say alike."""
+    operator = common.operator
+    axes = tuple(_axis(common.bench, a, values) for a, values in enumerate(status["axes"]))
+    return {
+        "axes": axes,
+        "override_set": operator.override,
+        "speed_factor": operator.speed,
+        "single_block": operator.single_block,
+        "mode": common.mode,
+        "rapid_set": operator.rapid,
+        "switches": operator.switches,
+        "revision": common.revision,
+        "start_line": common.start_line,
+        "mdi": common.mdi,
+        "mdi_modal": common.mdi_modal,
+        "output": tuple(common.bench.output),
+    }
+
+
+def run_snapshot(common: Common, run: SimRun) -> Snapshot:
+    """What the run of a job or of an MDI block reports."""
+    loaded, mcu = run.loaded, run.execution.mcu
+    status = mcu.status()
     run.entry = status["entry"] or run.entry
     run.line = status["line"] or run.line
-    state, why = _state(run)
+    state, why, inputs = _state(run, status)
     # at a block end the program stands before the block that comes next
-    line = run.execution.mcu.rdcncts(0)[3] if run.execution.stepped else run.line
+    line = mcu.rdcncts(0)[3] if run.execution.stepped else run.line
     factor = status["factor"]
     feed = loaded.fact("feeds", line) or 0.0
+    # axes that a program test does not move; behind the end of a program they have settled on the bench
+    settled = run.is_test or run.execution.end is End.FINISHED
+    shown = common.bench.mcu.status() if settled else status
     return Snapshot(
         state=state,
         why=why,
         machine_time_s=run.execution.machine_time_s,
         line=line,
-        axes=tuple(_axis(loaded, a, values) for a, values in enumerate(status["axes"])),
         feed_programmed=status["programmed_v"] * 60.0 if status["entry"] else feed,
         feed_actual=status["path_v"] * 60.0,
-        override_set=status["trovr"],
         override_effective=factor,
         path_done_mm=_done_mm(loaded, run, status),
         path_total_mm=loaded.path.length_mm,
@@ -88,45 +140,40 @@ def snapshot(loaded: LoadedJob, run: SimRun | None, operator: Operator, language
         spool_empty_s=_spool_empty_s(loaded, run, status),
         modal=loaded.fact("modal", line) or "",
         tool=_tool(run),
-        spindle=_spindle(run, status),
+        spindle=_spindle(mcu, status),
         coolant=_coolant(status),
-        speed_factor=operator.speed,
-        single_block=operator.single_block,
-        message=operator.message or _last_message(run),
-        alarms=tuple(_alarm(event, run, language) for event in run.execution.alarms),
+        message=common.operator.message or _last_message(run),
+        alarms=tuple(_alarm(event, run, common.language) for event in run.execution.alarms),
+        stop=run.stop,
+        waits_for=inputs,
+        inputs=_inputs(mcu),
+        outputs=_outputs(status),
+        **_shared(common, shown),
     )
 
 
-def _before_start(loaded: LoadedJob, operator: Operator) -> Snapshot:
-    machine = loaded.job.machine.machine
-    empty = empty_snapshot(operator)
-    rows = zip(machine.axis_names, machine.units, machine.start, machine.mpe, strict=True)
-    axes = tuple(AxisValues(n, u, at, at, 0.0, 0.0, mpe, True, 0.0, ("pe", "cl")) for n, u, at, mpe in rows)
-    values = {name: getattr(empty, name) for name in Snapshot.__slots__}
-    values |= {"state": State.READY, "axes": axes, "path_total_mm": loaded.path.length_mm}
-    return Snapshot(**(values | {"time_total_s": loaded.time_total_s, "modal": loaded.fact("modal", 1) or ""}))
-
-
-def _state(run: SimRun) -> tuple[State, str]:
-    """The state of ui-guide section 4, and why the machine stands."""
+def _state(run: SimRun, status: dict[str, Any]) -> tuple[State, str, tuple[int, ...]]:
+    """The state of ui-guide section 4, why the machine stands, and the inputs that it waits for."""
     execution = run.execution
     if execution.end is not None:
         if execution.end is End.FINISHED:
-            return (State.ABORTED, "") if run.aborted else (State.DONE, "")
-        return State.ALARM, execution.alarms[-1].name if execution.alarms else execution.end.value
+            return (State.ABORTED if run.aborted else State.DONE), "", ()
+        return State.ALARM, execution.alarms[-1].name if execution.alarms else execution.end.value, ()
     if run.holding and not run.between_blocks:
-        return (State.HOLD, "hold") if execution.held else (State.HOLDING, "hold")
+        return (State.HOLD if execution.held else State.HOLDING), "hold", ()
     if execution.waits:
-        return State.STOPPED, execution.host_events[-1].kind if execution.host_events else "M00"
+        return State.STOPPED, execution.host_events[-1].kind if execution.host_events else "M00", ()
     if execution.stepped or (run.between_blocks and execution.held):
-        return State.STEP, "single block"
+        return State.STEP, "single block", ()
     if run.flags & WAITING and not run.flags & MOVING:
-        return State.WAITING, "dwell"
-    return State.RUNNING, ""
+        kind, value = status["wait"] or ("dwell", 0)
+        inputs = tuple(n + 1 for n in range(32) if value >> n & 1) if kind == "inputs" else ()
+        return State.WAITING, kind, inputs
+    return State.RUNNING, "", ()
 
 
-def _axis(loaded: LoadedJob, a: int, values: dict[str, Any]) -> AxisValues:
-    machine = loaded.job.machine.machine
+def _axis(bench: Bench, a: int, values: dict[str, Any]) -> AxisValues:
+    machine = bench.file.machine
     return AxisValues(
         name=machine.axis_names[a],
         unit=machine.units[a],
@@ -138,6 +185,10 @@ def _axis(loaded: LoadedJob, a: int, values: dict[str, Any]) -> AxisValues:
         referenced="referenced" in values["axst"],
         spool_fill=1.0 - values["lsm"] / values["memory"] if values["memory"] else 0.0,
         bits=tuple(values["axst"]),
+        limits=machine.limits[a],
+        zero=bench.place.zero[a],
+        gains=bench.gains(a),
+        homing=bench.homing(a),
     )
 
 
@@ -161,10 +212,10 @@ def _tool(run: SimRun) -> int:
     return int(changes[-1]) if changes else 0
 
 
-def _spindle(run: SimRun, status: dict[str, Any]) -> str:
+def _spindle(mcu: native_kernel.Mcu, status: dict[str, Any]) -> str:
     outputs = _outputs(status)
     word = "M3" if outputs & CLOCKWISE else "M4" if outputs & COUNTER_CLOCKWISE else "M5"
-    return word if word == "M5" else f"{word} S{run.execution.mcu.rdcd(SPEED_CD):g}"
+    return word if word == "M5" else f"{word} S{mcu.rdcd(SPEED_CD):g}"
 
 
 def _coolant(status: dict[str, Any]) -> str:
@@ -177,6 +228,11 @@ def _outputs(status: dict[str, Any]) -> int:
     for axis in status["axes"]:
         outputs |= axis["digo"]
     return outputs
+
+
+def _inputs(mcu: native_kernel.Mcu) -> int:
+    """Inputs of the base board that are active."""
+    return mcu.rddigi(0) & 0xFFFF
 
 
 def _last_message(run: SimRun) -> str:

@@ -33,4 +33,6 @@ def compile(
     start: str | None = None,
     stop: str | None = None,
     strict: bool = False,
+    dry_feed: float | None = None,
+    mdi: bool = False,
 ) -> tuple[Program | None, list[tuple[str, int, int, int, str, str, str]], dict[str, Any]]: ...

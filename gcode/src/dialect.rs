@@ -31,6 +31,10 @@ pub struct Options {
     pub to: Option<At>,
     /// Warnings of the linter too.
     pub strict: bool,
+    /// Dry-run feed, mm/s: feed moves go at it instead of F; threads and tapping keep theirs.
+    pub dry_feed: Option<f64>,
+    /// A block of MDI, which has no end of its own: spindle and coolant stay as they are behind it.
+    pub mdi: bool,
 }
 
 /// Size and count limits; tests lower them.

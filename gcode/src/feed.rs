@@ -81,6 +81,7 @@ impl Translator<'_> {
             FeedMode::InverseTime => lengths.path * feed.raw / 60.0,
             FeedMode::PerRevolution => per_minute * self.revolutions(block)? / 60.0 * (lengths.path / lengths.feed),
         };
+        let speed = self.options.dry_feed.unwrap_or(speed);
         let limit = self.machine.gcode.feed_limit;
         if speed > limit {
             self.limited(block, feed.raw, speed, limit);

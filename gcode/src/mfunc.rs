@@ -377,11 +377,13 @@ impl Translator<'_> {
         }
         self.end_thread();
         self.sink.stop();
-        self.state.modal.spindle = 5;
-        self.direction_changed();
-        let lines = self.machine.gcode.outputs;
-        let reset = lines.spindle_cw | lines.spindle_ccw | lines.coolant1 | lines.coolant2;
-        self.put_out(Outputs { set: 0, reset });
+        if !self.options.mdi {
+            self.state.modal.spindle = 5;
+            self.direction_changed();
+            let lines = self.machine.gcode.outputs;
+            let reset = lines.spindle_cw | lines.spindle_ccw | lines.coolant1 | lines.coolant2;
+            self.put_out(Outputs { set: 0, reset });
+        }
         self.sink.event(self.line, kind, "");
         self.sink.instr(self.line, Instr::Drain(self.sink.set()));
         self.set_cylinder(None);

@@ -425,6 +425,9 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         self.mode = if name.is_empty() || name.starts_with(b"(") { Mode::Ignore } else { Mode::Read };
     }
     fn warn_missing_end(&mut self) {
+        if self.t.options.mdi {
+            return;
+        }
         let (line, span, text) = self.last;
         self.report(line, text, &Fault::new(Id::GW909, Span { end: span.end.max(1), ..span }));
     }

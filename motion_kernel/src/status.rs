@@ -1,6 +1,7 @@
 //! What the application sees of the controller between samples, and what it does at the start of a job.
 
 use crate::axes::AxisSet;
+use crate::axis::{Doing, Wait};
 use crate::mcu::Mcu;
 use crate::registers::{Axst, ErrorReg, ModeReg};
 use crate::spooler::{Entry, SpoolState};
@@ -51,6 +52,8 @@ pub struct Snapshot {
     pub stands: bool,
     /// The spooled command that waits for the application, if any.
     pub waits: Option<u16>,
+    /// Ends by itself: what an axis waits for.
+    pub wait: Option<Wait>,
 }
 
 impl Mcu {
@@ -76,6 +79,7 @@ impl Mcu {
             holding: self.holding,
             stands: self.stands(),
             waits: self.wait_for_application(),
+            wait: self.axes.iter().find_map(|a| if let Doing::Wait(wait) = a.doing { Some(wait) } else { None }),
         }
     }
 

@@ -3,6 +3,7 @@
 use motion_kernel::Mcu as Kernel;
 use motion_kernel::autocode::MoveKind;
 use motion_kernel::axes::{AxisList, AxisSet, MAX_AXES};
+use motion_kernel::axis::Wait;
 use motion_kernel::cause::Cause;
 use motion_kernel::functions::Entered;
 use motion_kernel::motion::MotionCommand;
@@ -306,6 +307,14 @@ impl Mcu {
         dict.set_item("holding", s.holding)?;
         dict.set_item("stands", s.stands)?;
         dict.set_item("waits", s.waits)?;
+        let wait = match s.wait {
+            Some(Wait::Samples(left)) => Some(("dwell", left)),
+            Some(Wait::Inputs(mask)) => Some(("inputs", u64::from(mask))),
+            Some(Wait::Ci99 | Wait::Ci99Bit) => Some(("host", 0)),
+            Some(Wait::Axes(_)) => Some(("axes", 0)),
+            None => None,
+        };
+        dict.set_item("wait", wait)?;
         let axes: PyResult<Vec<_>> = s.axes.iter().map(|a| axis_dict(py, a)).collect();
         dict.set_item("axes", axes?)?;
         Ok(dict)

@@ -51,6 +51,28 @@ impl Machine {
     fn show(&self) -> String {
         self.inner.show()
     }
+    /// The same machine standing elsewhere at the start of a run, and with another work offset G54, both in machine
+    /// coordinates per axis.
+    fn placed(&self, start: Vec<f64>, g54: Vec<f64>) -> PyResult<Machine> {
+        let mut inner = machine::Machine::clone(&self.inner);
+        let is_place = |values: &[f64]| values.len() == inner.axes.len() && values.iter().all(|x| x.is_finite());
+        if !is_place(&start) || !is_place(&g54) {
+            return Err(PyValueError::new_err("a finite number for each axis"));
+        }
+        inner.axes.iter_mut().zip(start).for_each(|(axis, at)| axis.start = at);
+        inner.gcode.offsets[0] = g54;
+        Ok(Machine { inner: Arc::new(inner) })
+    }
+    /// Work offset G54 per axis.
+    #[getter]
+    fn g54(&self) -> Vec<f64> {
+        self.inner.gcode.offsets[0].clone()
+    }
+    /// Highest path feed, mm/s.
+    #[getter]
+    fn feed_limit(&self) -> f64 {
+        self.inner.gcode.feed_limit
+    }
     #[getter]
     fn name(&self) -> &str {
         &self.inner.name

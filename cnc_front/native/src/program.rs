@@ -35,9 +35,10 @@ pub struct Program {
 
 /// Compiles a part program: (Program or None, diagnostics, facts). Diagnostics are rows of
 /// (file, line, column, end_column, id, message, hint). Options: profile, optional_stop, block_delete (list of
-/// levels), check_only, library (folder of subprograms), start and stop (a part: "N120" or a line), strict (linter).
+/// levels), check_only, library (folder of subprograms), start and stop (a part: "N120" or a line), strict (linter),
+/// dry_feed (mm/s, instead of F), mdi (no program end).
 #[pyfunction]
-#[pyo3(signature = (source, filename, machine, *, profile=None, optional_stop=false, block_delete=Vec::new(), check_only=false, library=None, start=None, stop=None, strict=false))]
+#[pyo3(signature = (source, filename, machine, *, profile=None, optional_stop=false, block_delete=Vec::new(), check_only=false, library=None, start=None, stop=None, strict=false, dry_feed=None, mdi=false))]
 #[allow(clippy::too_many_arguments)] // keyword options of one call
 fn compile<'py>(
     py: Python<'py>,
@@ -52,6 +53,8 @@ fn compile<'py>(
     start: Option<&str>,
     stop: Option<&str>,
     strict: bool,
+    dry_feed: Option<f64>,
+    mdi: bool,
 ) -> PyResult<(Option<Program>, Vec<Row>, Bound<'py, PyDict>)> {
     let options = Options {
         profile: profile.map(profile_of).transpose()?,
@@ -62,6 +65,8 @@ fn compile<'py>(
         from: start.map(block_at).transpose()?,
         to: stop.map(block_at).transpose()?,
         strict,
+        dry_feed,
+        mdi,
         ..Options::default()
     };
     let target = machine.inner.clone();
