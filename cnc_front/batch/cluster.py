@@ -1,7 +1,7 @@
 """Tasks of a batch on a Dask cluster: the same worker processes, started where there is room.
 
-Part, subprograms beside it and machine file travel with the task, so workers need nothing but cnc-front. A worker that
-dies costs a retry, not the task.
+The code of cnc-front travels to every worker once, part, subprograms beside it and machine file with the task. A worker
+that dies costs a retry, not the task.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from cnc_front.batch import ship
 from cnc_front.batch.parts import BESIDE_BYTES, Part, Task
 from cnc_front.batch.pool import Limits, Outcome, run_all
 from cnc_front.errors import Exit, UsageError
@@ -38,9 +39,22 @@ def on_cluster(
         except (OSError, ValueError, TimeoutError) as error:
             raise UsageError(f"no cluster at {address}: {error}") from None
         with client:
+            _send_code(client)
             yield from _results(dask, client, tasks, arguments_of, limits, interrupted)
 
     return run
+
+
+def _send_code(client: Any) -> None:
+    """Every worker has the code of this installation, also one that comes later; UsageError where it does not run."""
+    by_value: Any = importlib.import_module("cloudpickle")
+    plugins: Any = importlib.import_module("distributed.diagnostics.plugin")
+    by_value.register_pickle_by_value(ship)
+    kind = type("Code", (ship.Code, plugins.WorkerPlugin), {"__module__": ship.__name__})
+    try:
+        client.register_plugin(kind(ship.packed()))
+    except RuntimeError as error:
+        raise UsageError(str(error)) from None
 
 
 def _results(
