@@ -106,6 +106,7 @@ def build_parser() -> Parser:
     run.add_argument("--max-time", metavar="S", type=_seconds, default=86400.0, help="bound on machine and wall time")
     run.add_argument("--stimulus", metavar="FILE", help="inputs and faults (default: .stim beside the job)")
     run.add_argument("--task", metavar="N=JOB", action="append", default=[], help="a rw_SymPas job for another task")
+    run.add_argument("--time-optimal", action="store_true", help="the least time that the axis limits allow (toppra)")
     run.add_argument("--json", action="store_true", help="the result as one JSON object")
 
     check = commands.add_parser("check", parents=[compiling, part], help="compile only")

@@ -100,8 +100,13 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
 
     language = language_from(options.lang)
     progress = Progress(language, quiet=options.quiet)
-    run_options = RunOptions(parse_schedule(options.override), options.max_time, interrupted, progress)
+    schedule, optimal = parse_schedule(options.override), options.time_optimal
+    run_options = RunOptions(schedule, options.max_time, interrupted, progress, time_optimal=optimal)
     inputs = [options.job, options.machine or "", options.stimulus or ""]
+    if options.time_optimal:
+        from cnc_front.time_optimal import check_available
+
+        check_available()
     record = outputs.check_recording(options.record, inputs) if options.record else None
     report = outputs.check_report(options.report, inputs) if options.report else None
     loaded = _Loaded()

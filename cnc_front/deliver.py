@@ -18,6 +18,7 @@ from cnc_front.verdict import EMPTY, SCHEMA, Verdict, judge, measured_keys, part
 
 if TYPE_CHECKING:
     from cnc_front.report import ReportInput
+    from cnc_front.time_optimal import TimeOptimal
 
 
 def run_and_write(
@@ -41,13 +42,19 @@ def run_and_write(
     files = {"recording": shown(record) if record else None, "report": shown(report) if report else None}
     run = run_object(result, verdict, files)
     run["verdict"]["tolerance_from"] = _tolerance_from(tolerance_mm)
+    optimal = None
+    if options.time_optimal:
+        optimal = _optimal(job.program.sequence(), result.path, result.tracker, job.machine.machine, run["samples"])
+        run["time_optimal_s"] = optimal.seconds
     if sink is not None:
         sink.finish(run)
     if report is not None and plotting is not None:
         from cnc_front.report import write_report
 
         machine, events = job.machine.machine, _events(result)
-        write_report(plotting.report_input(run, result.summary, job.source, machine, events), report, language)
+        made = plotting.report_input(run, result.summary, job.source, machine, events)
+        made.time_optimal = optimal
+        write_report(made, report, language)
     return result, verdict, run
 
 
@@ -70,16 +77,37 @@ def _measured_again(recorded: Recorded) -> ReportInput:
     path = native_paths.Path(recorded.sequence)
     plotting = _Plotting(float(metadata["tolerance_mm"]))
     schedule = [(t, f) for t, f in json.loads(metadata["schedule"])]
+    wanted = "time_optimal" in metadata
     tracker = native_paths.Tracker(
-        path, sample_time_s=machine.sample_time_us * 1e-6, schedule=schedule, trovrst_s=machine.trovrst_s
+        path,
+        sample_time_s=machine.sample_time_us * 1e-6,
+        schedule=schedule,
+        trovrst_s=machine.trovrst_s,
+        passages=wanted,
     )
     plotting.begin(path, tracker)
     samples = _measure(recorded, tracker, plotting)
     summary = tracker.finish()
     run = _run_of(recorded, source, machine, summary, samples)
     report = plotting.report_input(run, summary, source, machine, recorded.events)
+    if wanted:
+        report.time_optimal = _optimal(recorded.sequence, path, tracker, machine, samples)
+        run["time_optimal_s"] = report.time_optimal.seconds
     report.note = f"{recorded.path}: {recorded.damage}" if recorded.damage else ""
     return report
+
+
+def _optimal(
+    sequence: dict[str, Any],
+    path: native_paths.Path,
+    tracker: native_paths.Tracker,
+    machine: native_kernel.Machine,
+    samples: int,
+) -> TimeOptimal:
+    from cnc_front.time_optimal import check_available, time_optimal
+
+    check_available()
+    return time_optimal(sequence, path, tracker, machine, samples)
 
 
 def _measure(recorded: Recorded, tracker: native_paths.Tracker, plotting: _Plotting) -> int:
@@ -181,11 +209,14 @@ def _tolerance_from(tolerance_mm: float | None) -> str:
 
 def _metadata(job: CompiledJob, options: RunOptions, tolerance_mm: float, tolerance_from: str) -> dict[str, str]:
     """The arguments of a run that a report needs."""
-    return {
+    optional = {"stimulus": options.stimulus.text} if options.stimulus else {}
+    if options.time_optimal:
+        optional["time_optimal"] = "1"
+    return optional | {
         "job_path": shown(job.source.path),
         "machine_path": shown(job.machine.path),
         "tolerance_mm": repr(tolerance_mm),
         "tolerance_from": tolerance_from,
         "schedule": json.dumps([list(point) for point in options.schedule]),
         "version": VERSION,
-    } | ({"stimulus": options.stimulus.text} if options.stimulus else {})
+    }

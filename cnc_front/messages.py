@@ -55,6 +55,8 @@ TEXTS: dict[str, tuple[str, str]] = {
     "setpoint_deviation": ("set point deviation", "Sollwertabweichung"),
     "following": ("following error", "Schleppfehler"),
     "feed": ("feed reached", "Vorschub erreicht"),
+    "possible": ("time-optimal", "zeitoptimal"),
+    "less": ("less", "weniger"),
     "limited": ("limited by", "begrenzt durch"),
     "merged": ("merged blocks", "zusammengefasste Sätze"),
     "override": ("override", "Vorschubkorrektur"),

@@ -50,6 +50,8 @@ class RunOptions:
     progress: Callable[[Execution], None] = lambda execution: None
     #: what the world outside does
     stimulus: StimulusFile | None = None
+    #: collect what the time-optimal bound needs
+    time_optimal: bool = False
 
 
 @dataclass(slots=True)
@@ -86,6 +88,7 @@ def dry_run(
         sample_time_s=execution.sample_time_s,
         schedule=list(options.schedule),
         trovrst_s=machine.trovrst_s,
+        passages=options.time_optimal,
     )
     if watcher is not None:
         watcher.begin(path, tracker)

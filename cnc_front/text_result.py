@@ -40,6 +40,9 @@ def result_text(
     rows.append(_row(say("following"), "  ".join(f"{name} {e['max']:.4f} {unit}" for (name, e), unit in errors)))
     if feed["programmed_reached_pct"] is not None:
         rows.append(_row(say("feed"), f"{feed['programmed_reached_pct']:.1f} % {say('of_time')}"))
+    if run["time_optimal_s"] is not None:
+        share = 100 * (1 - run["time_optimal_s"] / run["machine_time_s"])
+        rows.append(_row(say("possible"), f"{run['time_optimal_s']:.3f} s ({share:.1f} % {say('less')})"))
     rows.append(_row(say("limited"), ", ".join(_limits(feed["limits"], run["machine_time_s"], language))))
     for key, label in (("recording", "recording"), ("report", "report")):
         if run["files"][key]:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cnc_front.report.limits import LimitData, block_columns, limit_plot
+
+if TYPE_CHECKING:
+    from cnc_front.time_optimal import TimeOptimal
 
 #: Vertices of the path picture and rows of the block table inside the HTML; everything is in blocks.csv.
 #: The vertices are for 3 axes, fewer with more, so that the page stays under 20 MiB.
@@ -64,6 +67,7 @@ class ReportInput:
     events: list[dict[str, Any]] = field(default_factory=list)
     note: str = ""
     limits: LimitData = field(default_factory=LimitData)
+    time_optimal: TimeOptimal | None = None
 
 
 def block_table(report: ReportInput) -> list[dict[str, Any]]:

@@ -32,6 +32,7 @@ for (const row of document.querySelectorAll("#findings tr[data-vertex]")) {
   row.onkeydown = (e) => { if (e.key === "Enter") visit(+row.dataset.vertex); };
 }
 
+for (const row of document.querySelectorAll("#sections tr[data-line]")) row.onclick = () => { canvas("filter").value = row.dataset.line; filter(row.dataset.line); visit(data.path.lines.indexOf(+row.dataset.line)); };
 const fast = canvas("fast");
 const speed = chart(canvas("speed"), {
   step: data.time.step, xLabel: words.machine_time, yLabel: "mm/min", cap: () => fast.checked ? 0 : data.feedMax * 1.15,

@@ -26,6 +26,13 @@ WORDS: dict[str, dict[str, str]] = {
         "over_time": "Path velocity over time",
         "limits": "What limited the path velocity",
         "limited_by": "limited by",
+        "optimal": "What would have been possible",
+        "of_taken": "instead of",
+        "possible": "possible",
+        "gap": "gap",
+        "optimal_help": "Least time of every motion command between the speeds it had at its ends, at no more than F, "
+        "with every axis within maxvel and maxacc. Sections from stop to stop, largest gap first.",
+        "arcs_closed": "Arcs bounded by a closed form instead of toppra:",
         "limits_help": "Every sample has one cause, from the controller's own record. A ramp counts for what bounds "
         "the speed at the junction that it comes from or goes to; below 100 % override all motion counts for "
         "that.",
@@ -127,6 +134,13 @@ WORDS: dict[str, dict[str, str]] = {
         "over_time": "Bahngeschwindigkeit über der Zeit",
         "limits": "Was die Bahngeschwindigkeit begrenzte",
         "limited_by": "begrenzt durch",
+        "optimal": "Was möglich gewesen wäre",
+        "of_taken": "statt",
+        "possible": "möglich",
+        "gap": "Abstand",
+        "optimal_help": "Kürzeste Zeit jedes Bewegungsbefehls zwischen den Geschwindigkeiten an seinen Enden, nicht "
+        "über F, jede Achse innerhalb maxvel und maxacc. Abschnitte von Halt zu Halt, größter Abstand zuerst.",
+        "arcs_closed": "Bögen mit geschlossener Schranke statt toppra:",
         "limits_help": "Jede Abtastung hat eine Ursache, aus der Aufzeichnung der Steuerung selbst. Eine Rampe zählt "
         "zu dem, was die Geschwindigkeit an dem Satzübergang begrenzt, von dem sie kommt oder zu dem sie führt; "
         "unter 100 % Vorschubkorrektur zählt jede Bewegung zur Korrektur.",

@@ -15,6 +15,7 @@ pub struct Passage {
     pub v_max: f64,
     pub a_max: f64,
     pub factor_max: f64,
+    pub factor_min: f64,
 }
 
 /// The passages of a run, by number of the motion command.
@@ -47,6 +48,7 @@ impl Passages {
         let row = index * self.axes..(index + 1) * self.axes;
         if passage.samples == 0 {
             (passage.first, passage.s_mm[0], passage.v[0]) = (sample, s, v);
+            passage.factor_min = factor;
             self.begin[row.clone()].copy_from_slice(dp);
         } else {
             passage.a_max = passage.a_max.max((v - last_v).abs() * rate);
@@ -55,6 +57,7 @@ impl Passages {
         (passage.last, passage.s_mm[1], passage.v[1]) = (sample, s, v);
         passage.v_max = passage.v_max.max(v);
         passage.factor_max = passage.factor_max.max(factor);
+        passage.factor_min = passage.factor_min.min(factor);
         self.end[row].copy_from_slice(dp);
     }
 

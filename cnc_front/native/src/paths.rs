@@ -155,7 +155,7 @@ impl Tracker {
         let (samples, buckets) = self.inner.limits_over_time();
         (samples, buckets.iter().map(|bucket| bucket.rows().iter().copied().collect()).collect())
     }
-    /// Per motion command, if asked for: first, last, samples, s_mm (n, 2), v (n, 2), v_max, a_max, factor_max, and the
+    /// Per motion command, if asked for: first, last, samples, s_mm (n, 2), v (n, 2), v_max, a_max, factor_max, factor_min, and the
     /// set points `begin` and `end` (n, axes) at its first and last sample. `samples` is 0 for what was never executed.
     fn passages<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let passages = self.inner.passages();
@@ -172,6 +172,7 @@ impl Tracker {
         dict.set_item("v_max", numbers(|p| p.v_max))?;
         dict.set_item("a_max", numbers(|p| p.a_max))?;
         dict.set_item("factor_max", numbers(|p| p.factor_max))?;
+        dict.set_item("factor_min", numbers(|p| p.factor_min))?;
         let (begin, end) = passages.ends();
         dict.set_item("begin", PyArray1::from_slice(py, begin).reshape([n, self.axes])?)?;
         dict.set_item("end", PyArray1::from_slice(py, end).reshape([n, self.axes])?)?;
