@@ -7,6 +7,7 @@
 
 mod blocks;
 mod deviation;
+mod evidence;
 mod feed;
 mod follower;
 mod limits;
@@ -19,6 +20,10 @@ mod tracker;
 
 pub use blocks::BlockStats;
 pub use deviation::{DeviationSummary, Worst};
+pub use evidence::{
+    AxisFit, AxisShare, BlockFit, Evidence, Exchange, ExchangeKind, HARMONICS, HISTOGRAM_BINS, MOTION, Round, RoundBin,
+    TraceEvidence, bin_edge,
+};
 pub use feed::{FeedSummary, OverrideSummary};
 pub use limits::{BlockLimit, Tally};
 pub use passages::{Passage, Passages};

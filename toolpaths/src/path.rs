@@ -336,7 +336,7 @@ impl Path {
     }
 
     /// Position in axis units at `t` mm from the start of a segment.
-    fn position(&self, i: usize, t: f64) -> Vec<f64> {
+    pub(crate) fn position(&self, i: usize, t: f64) -> Vec<f64> {
         let (at, segment) = (i * self.width, &self.segments[i]);
         let mut p: Vec<f64> = (0..self.axes).map(|a| self.starts[at + a] + t * self.slopes[at + a]).collect();
         if let Some(c) = self.circles.get(segment.circle as usize) {

@@ -173,6 +173,18 @@ impl<const N: usize> Shape<'_, N> {
         None
     }
 
+    /// Point and unit tangent at `t`.
+    pub fn at(&self, t: f64) -> ([f64; N], [f64; N]) {
+        let Some(c) = self.circle else {
+            return (std::array::from_fn(|a| self.start[a] + t * self.slope[a]), *self.slope);
+        };
+        let out = self.radial(c, t);
+        let mut tangent = *self.slope;
+        tangent[c.c1] = -c.radius * c.rate * out[1];
+        tangent[c.c2] = c.radius * c.rate * out[0];
+        (self.at_direction(c, t, out), tangent)
+    }
+
     /// The point at `t` with the direction from the centre known.
     #[inline]
     fn at_direction(&self, c: &Circle, t: f64, out: [f64; 2]) -> [f64; N] {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::blocks::BlockStats;
 use crate::deviation::{DeviationSummary, Deviations};
+use crate::evidence::{At, Evidence};
 use crate::feed::{FeedCheck, FeedSummary, Interval, OverrideCheck, OverrideSummary};
 use crate::follower::{ADVANCE, Follower, Place, SLACK_MM, Sample};
 use crate::limits::{BlockLimit, Limits, Tally, limit_of};
@@ -130,6 +131,7 @@ pub struct Tracker {
     watched: Watched,
     limits: Limits,
     passages: Passages,
+    evidence: Evidence,
 }
 
 #[derive(Clone, Debug)]
@@ -200,6 +202,7 @@ impl Tracker {
             watched: Watched::default(),
             limits: Limits::new(options.buckets, options.at_speed),
             passages: Passages::new(path.axes),
+            evidence: Evidence::new(&path, options.sample_time_s),
             path,
             options,
         }
@@ -252,6 +255,7 @@ impl Tracker {
             self.feed.add(&step.interval);
             self.overrides.add(time_s, &step.interval, chunk.v_plan[k], step.deviation);
             self.add_following(dp, rp);
+            self.evidence.add_axes(dp, load);
 
             let (set_mm, actual_mm) = (step.deviation as f32, actual.deviation as f32);
             let (foot, signed) = (actual.foot, actual.signed);
@@ -325,6 +329,9 @@ impl Tracker {
         if same_segment {
             self.blocks[segment.block as usize].pass(time_s, length, speed);
         }
+        let x = x.in_row(path, segment.scale);
+        let at = At { place: foot, x, raw: dp, deviation, time_s: time_s * factor, speed };
+        self.evidence.setpoint.add(path, &at);
         self.last_deviation = deviation;
         self.last_dp.copy_from_slice(dp);
         Step { interval, speed, programmed: segment.speed * factor, deviation }
@@ -356,6 +363,7 @@ impl Tracker {
         let follower = &mut self.actual.follower;
         let row = path.segments[follower.foot.segment].scale;
         let mut x = Sample::<N>::new(path, load, row);
+        let s_before = follower.s(path);
         follower.step(path, &mut x, time_s * factor, cap);
         let foot = follower.foot;
         let deviation = distance(follower.d2);
@@ -364,7 +372,11 @@ impl Tracker {
             // an overshoot at a stop is given back
             follower.put(set_foot);
         }
-        let block = path.segments[foot.segment].block;
+        let (block, row) = (path.segments[foot.segment].block, path.segments[foot.segment].scale);
+        let speed = (path.s_of(foot) - s_before) * self.samples_per_s;
+        let x = x.in_row(path, row);
+        let at = At { place: foot, x, raw: load, deviation, time_s: time_s * factor, speed };
+        self.evidence.add_actual(path, &at);
         self.actual.deviations.add(deviation, signed, sample, block, load);
         let stats = &mut self.blocks[block as usize];
         stats.actual.add(deviation);
@@ -391,6 +403,7 @@ impl Tracker {
         self.over_time.finish();
         self.over_length.finish();
         self.limits.finish();
+        self.evidence.finish();
         let path = &self.path;
         let line_of = |block: u32| path.block(block).line;
         let foot = self.setpoint.follower.foot;
@@ -415,6 +428,11 @@ impl Tracker {
             completed: missing_mm <= END_MM,
             limits: self.limits.total.clone(),
         }
+    }
+
+    /// What a diagnosis needs; complete after [`Tracker::finish`].
+    pub fn evidence(&self) -> &Evidence {
+        &self.evidence
     }
 
     /// One row per block of [`Path::blocks`].

@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 
 mod chunk;
 mod debug;
+mod evidence;
 mod kernel;
 mod machine;
 mod motion;

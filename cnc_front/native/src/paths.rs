@@ -234,6 +234,11 @@ impl Tracker {
         Ok(dict)
     }
 
+    /// What a diagnosis needs (toolpaths/diagnosis.py, circularity.py); complete after `finish`.
+    fn evidence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        crate::evidence::dict(py, self.inner.evidence(), self.axes)
+    }
+
     /// Reduced curves: {"over_length": {"bucket_mm", "setpoint_mm": (min, max), ...}, "over_time": {...}}.
     fn series<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let length = self.inner.over_length();

@@ -1,0 +1,195 @@
+//! Blocks that lie off the path almost everywhere: sums from which a shift, a centre or a radius follow.
+
+use super::At;
+use crate::path::Path;
+use crate::sequence::MAX_AXES;
+
+/// Regressors of the radial deviation on a circle at angle a: cos a, sin a, 1, cos² a.
+pub const HARMONICS: usize = 4;
+/// Fits that are kept, the furthest off.
+const KEPT: usize = 64;
+/// A block is off the path when this share of its samples is, and there are at least so many.
+const MOST: f64 = 0.9;
+const LEAST_SAMPLES: u32 = 3;
+/// Feet closer than this to an end of their segment are held there, and the way to them is not normal to the path.
+const END_MM: f64 = 1e-9;
+/// One sample of so many is counted for all in the weights of [`AxisShare`].
+const EVERY: u32 = 8;
+
+/// One block that was off the path. Offsets are position minus foot, mm, in the axes of the path.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockFit {
+    /// Number in [`Path::blocks`].
+    pub block: u32,
+    /// Samples on it, off it, and those that were summed.
+    pub samples: u32,
+    pub off: u32,
+    pub summed: u32,
+    /// Sum of weights: the middle of a block counts most, since at its ends the machine swings in and out.
+    pub weight: f64,
+    pub offset: [f64; MAX_AXES],
+    pub squares: f64,
+    pub max: f64,
+    /// Axes and radius of a circle; its radial deviation (outwards positive) as normal equations.
+    pub circle: Option<(usize, usize, f64)>,
+    pub normal: [f64; HARMONICS * (HARMONICS + 1) / 2],
+    pub right: [f64; HARMONICS],
+    pub radial_squares: f64,
+}
+
+impl Default for BlockFit {
+    fn default() -> Self {
+        BlockFit {
+            block: u32::MAX,
+            samples: 0,
+            off: 0,
+            summed: 0,
+            weight: 0.0,
+            offset: [0.0; MAX_AXES],
+            squares: 0.0,
+            max: 0.0,
+            circle: None,
+            normal: [0.0; HARMONICS * (HARMONICS + 1) / 2],
+            right: [0.0; HARMONICS],
+            radial_squares: 0.0,
+        }
+    }
+}
+
+impl BlockFit {
+    fn add_radial(&mut self, weight: f64, radial: f64, [cos, sin]: [f64; 2]) {
+        let x = [cos, sin, 1.0, cos * cos];
+        let mut k = 0;
+        for i in 0..HARMONICS {
+            for j in i..HARMONICS {
+                self.normal[k] += weight * x[i] * x[j];
+                k += 1;
+            }
+            self.right[i] += weight * x[i] * radial;
+        }
+        self.radial_squares += weight * radial * radial;
+    }
+    fn mean_square(&self) -> f64 {
+        if self.weight > 0.0 { self.squares / self.weight } else { 0.0 }
+    }
+}
+
+/// Deviation against single causes of an axis. With offset e (normal to the path), position x and velocity v of the
+/// axis, and w = 1 - (share of the axis in the tangent)²: sums that make the least squares of e = c + k * x and of
+/// e = -lag * v. Offsets are those of samples off the path; w is of all samples, from one in [`EVERY`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AxisShare {
+    pub w: f64,
+    pub wx: f64,
+    pub wxx: f64,
+    pub e: f64,
+    pub ex: f64,
+    pub wvv: f64,
+    pub ev: f64,
+    /// Squares of all offsets, whatever their axis.
+    pub squares: f64,
+    /// Largest offset in this axis and its block.
+    pub most: f64,
+    pub block: u32,
+}
+
+#[derive(Clone, Debug)]
+pub struct Off {
+    current: BlockFit,
+    pub fits: Vec<BlockFit>,
+    pub axes: Vec<AxisShare>,
+    visited: u32,
+}
+
+impl Off {
+    pub fn new(axes: usize) -> Off {
+        let axes = vec![AxisShare::default(); axes];
+        Off { current: BlockFit::default(), fits: Vec::with_capacity(2 * KEPT), axes, visited: 0 }
+    }
+
+    #[inline]
+    pub fn visit(&mut self, block: u32) {
+        if block != self.current.block {
+            self.flush();
+            self.current.block = block;
+        }
+        self.current.samples += 1;
+    }
+
+    pub fn flush(&mut self) {
+        let done = self.current;
+        if done.samples > 0 {
+            self.current = BlockFit::default();
+        }
+        let most = f64::from(done.off) >= MOST * f64::from(done.samples);
+        if most && done.summed >= LEAST_SAMPLES {
+            self.fits.push(done);
+            if self.fits.len() == 2 * KEPT {
+                self.keep();
+            }
+        }
+    }
+
+    fn keep(&mut self) {
+        self.fits.sort_by(|a, b| b.mean_square().total_cmp(&a.mean_square()).then(a.block.cmp(&b.block)));
+        self.fits.truncate(KEPT);
+    }
+
+    /// Weighs a sample, on or off the path.
+    #[inline]
+    pub fn weigh<const N: usize>(&mut self, path: &Path, at: &At<N>) {
+        self.visited = self.visited.wrapping_add(1);
+        if self.visited.is_multiple_of(EVERY) {
+            self.add_weights(path, at);
+        }
+    }
+
+    #[inline(never)]
+    fn add_weights<const N: usize>(&mut self, path: &Path, at: &At<N>) {
+        let (foot, tangent) = path.shape::<N>(at.place.segment).at(at.place.t);
+        for (a, share) in self.axes.iter_mut().enumerate() {
+            let w = f64::from(EVERY) * (1.0 - tangent[a] * tangent[a]);
+            let v = tangent[a] * at.speed;
+            share.w += w;
+            share.wx += w * foot[a];
+            share.wxx += w * foot[a] * foot[a];
+            share.wvv += w * v * v;
+        }
+    }
+
+    /// A sample off the path, on the block visited last.
+    #[inline(never)]
+    pub fn add<const N: usize>(&mut self, path: &Path, at: &At<N>) {
+        let fit = &mut self.current;
+        fit.off += 1;
+        fit.max = fit.max.max(at.deviation);
+        let segment = &path.segments[at.place.segment];
+        if at.place.t <= END_MM || at.place.t >= segment.length - END_MM || !at.deviation.is_finite() {
+            return;
+        }
+        let shape = path.shape::<N>(at.place.segment);
+        let (foot, tangent) = shape.at(at.place.t);
+        fit.summed += 1;
+        let share = at.place.t / segment.length;
+        let weight = (4.0 * share * (1.0 - share)).powi(2);
+        fit.weight += weight;
+        fit.squares += weight * at.deviation * at.deviation;
+        for (a, share) in self.axes.iter_mut().enumerate() {
+            let (e, x) = (at.x[a] - foot[a], foot[a]);
+            fit.offset[a] += weight * e;
+            share.e += e;
+            share.ex += e * x;
+            share.ev += e * tangent[a] * at.speed;
+            share.squares += at.deviation * at.deviation;
+            if e.abs() > share.most {
+                (share.most, share.block) = (e.abs(), segment.block);
+            }
+        }
+        if let Some(c) = shape.circle {
+            let (dx, dy) = (at.x[c.c1] - c.center[0], at.x[c.c2] - c.center[1]);
+            let rho = dx.hypot(dy);
+            fit.circle = Some((c.c1, c.c2, c.radius));
+            fit.add_radial(weight, rho - c.radius, [dx / rho, dy / rho]);
+        }
+    }
+}
