@@ -278,6 +278,10 @@ impl Mcu {
     pub fn machine(&self) -> &Arc<Machine> {
         &self.machine
     }
+    /// Per axis, how much of the motor command was used since boot.
+    pub fn command_use(&self) -> impl Iterator<Item = crate::position_loop::CommandUse> {
+        self.loops.iter().map(PositionLoop::command_use)
+    }
     /// Samples since boot; emulated time is this times [`Mcu::sample_time_s`].
     pub fn samples(&self) -> u64 {
         self.sample

@@ -148,6 +148,7 @@ impl PositionLoop {
                 if *digits * motor_off > 0.0 {
                     *digits = 0.0;
                 }
+                self.command_use.note(*digits);
             }
             Drive::Stepper { target, .. } => {
                 let wanted = whole(wanted).saturating_add(self.encoder_origin);

@@ -27,6 +27,25 @@ pub struct PositionLoop {
     pub(crate) offset: f64,
     pub(crate) is_special: bool,
     pub(crate) special: Special,
+    pub(crate) command_use: CommandUse,
+}
+
+/// How much of the motor command of a servo axis was used: largest magnitude, samples at its end.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CommandUse {
+    pub peak_digits: f64,
+    pub saturated: u64,
+}
+
+impl CommandUse {
+    #[inline]
+    pub(crate) fn note(&mut self, digits: f64) {
+        let used = digits.abs();
+        if used > self.peak_digits {
+            self.peak_digits = used;
+        }
+        self.saturated += u64::from(used >= FULL_SCALE);
+    }
 }
 
 #[derive(Debug)]
@@ -73,7 +92,12 @@ impl PositionLoop {
             offset: 0.0,
             is_special: special.is_needed(),
             special,
+            command_use: CommandUse::default(),
         }
+    }
+    /// How much of the motor command was used since boot.
+    pub fn command_use(&self) -> CommandUse {
+        self.command_use
     }
     /// Encoder position, axis units.
     #[inline]
@@ -144,6 +168,7 @@ impl PositionLoop {
                 if *digits * motor_off > 0.0 {
                     *digits = 0.0;
                 }
+                self.command_use.note(*digits);
             }
             Drive::Stepper { target, .. } => {
                 let wanted = whole((dp + self.offset) * self.counts_per_unit).saturating_add(self.encoder_origin);

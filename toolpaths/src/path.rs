@@ -244,6 +244,11 @@ impl Path {
     pub fn length_mm(&self) -> f64 {
         self.length
     }
+    /// mm per axis unit, by the first effective radius under which an axis counts; 0 where it never does.
+    pub fn mm_per_unit(&self) -> Vec<f64> {
+        let first = |a: usize| self.scales.iter().skip(a).step_by(self.width).copied().find(|&k| k > 0.0);
+        (0..self.axes).map(|a| first(a).unwrap_or(0.0)).collect()
+    }
     pub(crate) fn start(&self) -> &[f64] {
         &self.start
     }

@@ -97,6 +97,7 @@ fn axis<'py>(py: Python<'py>, fit: &AxisFit) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("right", fit.right.to_vec().into_pyarray(py))?;
     dict.set_item("squares", fit.squares)?;
     dict.set_item("reversals", fit.reversals)?;
+    dict.set_item("range", fit.range)?;
     dict.set_item("velocity", fit.velocity)?;
     dict.set_item("acceleration", fit.acceleration)?;
     dict.set_item("jerk", fit.jerk)?;

@@ -89,6 +89,10 @@ impl Mcu {
     fn axis_count(&self) -> usize {
         self.kernel.machine().axes.len()
     }
+    /// Per axis: largest motor command in digits (32767 = 10 V), samples at full scale.
+    fn motor_commands(&self) -> Vec<(f64, u64)> {
+        self.kernel.command_use().map(|used| (used.peak_digits, used.saturated)).collect()
+    }
     fn samples(&self) -> u64 {
         self.kernel.samples()
     }

@@ -75,6 +75,11 @@ impl Path {
         let merged = self.inner.merged();
         (merged.blocks, merged.max_mm)
     }
+    /// mm of the path's metric per axis unit, by the effective radius an axis has at first; 0 where it does not count.
+    #[getter]
+    fn mm_per_unit(&self) -> Vec<f64> {
+        self.inner.mm_per_unit()
+    }
     /// (min, max) per axis in axis units.
     #[getter]
     fn extents(&self) -> Vec<(f64, f64)> {

@@ -24,6 +24,8 @@ pub struct AxisFit {
     pub right: [f64; MOTION],
     pub squares: f64,
     pub reversals: u64,
+    /// Least and greatest set point.
+    pub range: (f64, f64),
     /// Largest magnitudes.
     pub velocity: f64,
     pub acceleration: f64,
@@ -49,6 +51,7 @@ impl AxisFit {
             right: [0.0; MOTION],
             squares: 0.0,
             reversals: 0,
+            range: (start, start),
             velocity: 0.0,
             acceleration: 0.0,
             jerk: 0.0,
@@ -71,6 +74,7 @@ impl AxisFit {
         let a = (v - self.last[1]) * self.per_s;
         let j = (a - self.last[2]) * self.per_s;
         self.last = [dp, v, a];
+        self.range = (self.range.0.min(dp), self.range.1.max(dp));
         // rounding of positions is no motion
         if j.abs() > 1e-2 || a.abs() > 1e-3 {
             self.velocity = self.velocity.max(v.abs());
