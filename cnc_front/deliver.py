@@ -11,10 +11,11 @@ import numpy as np
 from cnc_front import VERSION
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import toolpaths as native_paths
+from cnc_front.evidence import evidence_keys, motor_commands
 from cnc_front.jobs import CompiledJob, JobSource, shown
 from cnc_front.recording import RESULT, Recorded, RecordingSink, content_of, open_recording
 from cnc_front.run import RunOptions, RunResult, dry_run
-from cnc_front.verdict import EMPTY, SCHEMA, Verdict, judge, measured_keys, partial_object, run_object
+from cnc_front.verdict import EMPTY, SCHEMA, Verdict, judge, measured_keys, partial_object, run_object, with_findings
 
 if TYPE_CHECKING:
     from cnc_front.report import ReportInput
@@ -38,9 +39,11 @@ def run_and_write(
     )
     plotting = _Plotting(tolerance) if report else None
     result = dry_run(job, options, sink, plotting)
-    verdict = judge(result, tolerance)
+    named = evidence_keys(result.path, result.tracker, result.summary, job.machine.machine, tolerance)
+    verdict = with_findings(judge(result, tolerance), named["findings"])
     files = {"recording": shown(record) if record else None, "report": shown(report) if report else None}
-    run = run_object(result, verdict, files)
+    motors = motor_commands(result.execution.mcu, job.machine.machine.axis_names)
+    run = run_object(result, verdict, files) | named | {"motor_command": motors}
     run["verdict"]["tolerance_from"] = _tolerance_from(tolerance_mm)
     optimal = None
     if options.time_optimal:
@@ -89,6 +92,7 @@ def _measured_again(recorded: Recorded) -> ReportInput:
     samples = _measure(recorded, tracker, plotting)
     summary = tracker.finish()
     run = _run_of(recorded, source, machine, summary, samples)
+    run |= evidence_keys(path, tracker, summary, machine, plotting.tolerance_mm)
     report = plotting.report_input(run, summary, source, machine, recorded.events)
     if wanted:
         report.time_optimal = _optimal(recorded.sequence, path, tracker, machine, samples)
@@ -141,6 +145,7 @@ class _Plotting:
     def __init__(self, tolerance_mm: float) -> None:
         from cnc_front.report.data import Histogram
 
+        self.tolerance_mm = tolerance_mm
         self.histogram = Histogram(tolerance_mm)
 
     def begin(self, path: native_paths.Path, tracker: native_paths.Tracker) -> None:

@@ -140,6 +140,50 @@ TEXTS: dict[str, tuple[str, str]] = {
         "neu geprüft ab der jetzigen Stellung; r startet",
     ),
     "not_checked": ("not started: {finding}", "nicht gestartet: {finding}"),
+    "findings": ("findings", "Befunde"),
+    "trace_setpoint": ("set point", "Sollwert"),
+    "trace_actual": ("load side", "Lastseite"),
+    "finding_block_shifted": (
+        "block shifted by {size_um:.2f} um at line {line}",
+        "Satz um {size_um:.2f} um versetzt in Zeile {line}",
+    ),
+    "finding_centre_off": (
+        "centre of the arc off by {size_um:.2f} um at line {line}",
+        "Kreismittelpunkt um {size_um:.2f} um versetzt in Zeile {line}",
+    ),
+    "finding_radius_off": (
+        "radius of the arc off by {size_um:.2f} um at line {line}",
+        "Kreisradius um {size_um:.2f} um falsch in Zeile {line}",
+    ),
+    "finding_axis_lags": (
+        "axis {axes} lags by {samples:.2f} samples ({ms:.3f} ms), {max_um:.2f} um at line {line}",
+        "Achse {axes} nacheilend um {samples:.2f} Abtastungen ({ms:.3f} ms), {max_um:.2f} um in Zeile {line}",
+    ),
+    "finding_axes_swapped": (
+        "axes {axes} swapped, {max_um:.1f} um from line {line} on",
+        "Achsen {axes} vertauscht, {max_um:.1f} um ab Zeile {line}",
+    ),
+    "finding_axis_reversed": (
+        "axis {axes} reversed, {max_um:.1f} um from line {line} on",
+        "Achse {axes} läuft verkehrt, {max_um:.1f} um ab Zeile {line}",
+    ),
+    "finding_reversal_error": (
+        "reversal error (backlash) of axis {axes}: {size_um:.2f} um, at line {line}",
+        "Umkehrspanne (Lose) der Achse {axes}: {size_um:.2f} um, in Zeile {line}",
+    ),
+    "finding_effradius": (
+        "effradius of axis {axes} is {radius:.4f} mm instead of {programmed:.4f} mm, {max_um:.2f} um at line {line}",
+        "effradius der Achse {axes} ist {radius:.4f} mm statt {programmed:.4f} mm, {max_um:.2f} um in Zeile {line}",
+    ),
+    "finding_axis_scale": (
+        "scale of axis {axes} off by {percent:.4f} %, {max_um:.2f} um at line {line}",
+        "Maßstab der Achse {axes} um {percent:.4f} % falsch, {max_um:.2f} um in Zeile {line}",
+    ),
+    "finding_deviation": (
+        "deviation of {max_um:.2f} um without a cause that the data name, at line {line}",
+        "Abweichung von {max_um:.2f} um ohne benennbare Ursache, in Zeile {line}",
+    ),
+    "named_findings": ("{count} findings", "{count} Befunde"),
     "log_event": ("{t_s:10.3f} s  line {line}: {kind} {text}", "{t_s:10.3f} s  Zeile {line}: {kind} {text}"),
 }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from cnc_front._native import motion_kernel as native_kernel
@@ -52,6 +52,13 @@ def judge(result: RunResult, tolerance_mm: float | None) -> Verdict:
     return Verdict("PASS", (), Exit.DONE, limit)
 
 
+def with_findings(verdict: Verdict, findings: list[dict[str, Any]]) -> Verdict:
+    """What was kept, but with a cause of deviation that could be named, is worth a warning."""
+    if verdict.word == "FAIL" or not findings:
+        return verdict
+    return replace(verdict, word="WARN", reasons=(*verdict.reasons, Reason("named_findings", {"count": len(findings)})))
+
+
 def _why_stopped(result: RunResult) -> Reason | None:
     execution = result.execution
     if execution.end is End.TASK_ERROR:
@@ -92,6 +99,7 @@ KEYS = (
     *("schema", "job", "machine", "status", "error", "machine_time_s", "wall_time_s", "samples", "sample_time_us"),
     *("commands", "path_length_mm", "merged", "deviation", "following_error", "feed", "override", "time_optimal_s"),
     *("alarms", "error_register", "output", "files", "diagnostics", "stimulus"),
+    *("findings", "circularity", "axes", "motor_command"),
 )
 EMPTY: dict[str, Any] = dict.fromkeys(KEYS)
 SCHEMA = "cnc-front/run/1"

@@ -88,7 +88,7 @@ def _levelled(basis: Vector, radius: Vector) -> tuple[float, Vector]:
 
 
 def least_squares(contours: Sequence[Contour]) -> tuple[float, tuple[float, float]]:
-    """Radius beyond the nominal one and centre of the least-squares circle of the paths, by the means of the classes."""
+    """Radius beyond the nominal one and centre of the least-squares circle of the paths, by the class means."""
     angle = np.concatenate([c.mean_angle for c in contours])
     mean = np.concatenate([c.mean for c in contours])
     columns = np.column_stack([np.ones_like(angle), np.cos(angle), np.sin(angle)])
@@ -105,7 +105,9 @@ def circles(found: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     for i, circle in enumerate(whole):
         if entries[i]["pair"] is not None:
             continue
-        other = next((k for k in range(i + 1, len(whole)) if entries[k]["pair"] is None and _paired(circle, whole[k])), None)
+        other = next(
+            (k for k in range(i + 1, len(whole)) if entries[k]["pair"] is None and _paired(circle, whole[k])), None
+        )
         if other is None:
             continue
         both = (contours[i], contours[other])
@@ -136,5 +138,5 @@ def _alone(circle: dict[str, Any], contour: Contour) -> dict[str, Any]:
 def _paired(one: dict[str, Any], other: dict[str, Any]) -> bool:
     """The same circle, the other way round."""
     off = math.dist(one["center"], other["center"])
-    same = one["axes"] == other["axes"] and max(off, abs(one["radius_mm"] - other["radius_mm"])) <= SAME_MM
-    return same and one["ccw"] != other["ccw"]
+    near = max(off, abs(one["radius_mm"] - other["radius_mm"])) <= SAME_MM
+    return near and one["axes"] == other["axes"] and bool(one["ccw"]) != bool(other["ccw"])

@@ -1,4 +1,4 @@
-"""What a deviation comes from, as far as the measured data support it: pure functions over the sums of Tracker.evidence.
+"""What a deviation comes from, as far as the data support it: pure functions over the sums of Tracker.evidence.
 
 Every named finding is a hypothesis that explains nearly all of what it is made from (`EXPLAINED`) with a size that is
 certain enough (`CERTAIN`); what nothing explains stays a "deviation". Terms: set point `dp` and load side (design D21)
@@ -18,10 +18,14 @@ from numpy.typing import NDArray
 #: Share of the squared offsets that a hypothesis must explain, and standard error that its size may have.
 EXPLAINED = 0.95
 CERTAIN = 0.01
+#: One cause for a whole run must explain more than a block's own could by chance.
+WHOLE = 0.98
 #: With more unknowns than a shift a short arc can be made to fit anything: then nearly all must be explained.
 NEARLY_ALL = 0.9999
 #: Smaller faults of the load side are within what a closed loop does by itself.
 LEAST_SHIFT_MM = 0.003
+LEAST_SAMPLES = 20
+EXPLAINED_OF_LOAD = 0.98
 LEAST_PLAY_MM = 0.002
 LEAST_LAG_SAMPLES = 0.3
 LEAST_LAG_MM = 0.001
@@ -40,7 +44,7 @@ class Finding:
 
     `kind`: block_shifted, centre_off, radius_off, effradius, axis_scale, axis_lags, axes_swapped, axis_reversed,
     reversal_error or deviation. `block`: number in Path.blocks. `size_mm` is what the kind is about (shift, distance of
-    the centres, play, largest deviation); `values` says more: `lag_s`, `samples`, `factor`, `effradius_mm`, `vector_mm`.
+    the centres, play, largest deviation); `values` says more: `lag_s`, `factor`, `radius_mm`, `vector_mm`.
     """
 
     kind: str
@@ -88,10 +92,16 @@ def _of_setpoints(trace: dict[str, Any], setting: Setting) -> list[Finding]:
     if exchanged:
         return exchanged
     whole = _lag_on_path(trace) + _scales(trace, setting)
-    if whole:
-        # one cause for all of it; of several the one that explains most
-        return [max(whole, key=lambda found: found.values["explained"])]
-    return _grouped([f for fit in trace["blocks"] if (f := _of_block(fit, "setpoint", setting)) is not None])
+    found = [f for fit in trace["blocks"] if (f := _of_block(fit, "setpoint", setting)) is not None]
+    blocks = _grouped(found)
+    if not whole:
+        return blocks
+    # one cause for all of it, unless one for one block explains it better
+    best = max(whole, key=lambda finding: finding.values["explained"])
+    alone = len(blocks) == 1 and len(trace["blocks"]) == len(found)
+    if alone and min(f.values["explained"] for f in found) > best.values["explained"]:
+        return blocks
+    return [best]
 
 
 def _of_load(evidence: dict[str, Any], setting: Setting, known: set[int]) -> list[Finding]:
@@ -101,8 +111,16 @@ def _of_load(evidence: dict[str, Any], setting: Setting, known: set[int]) -> lis
     if exchanged or axes:
         return exchanged + axes
     blocks = [_of_block(fit, "actual", setting) for fit in trace["blocks"] if fit["block"] not in known]
-    grouped = _grouped([found for found in blocks if found is not None and found.size_mm >= LEAST_SHIFT_MM])
-    return [found for found in grouped if _stands_out(found, trace["blocks"])]
+    samples = {fit["block"]: fit["summed"] for fit in trace["blocks"]}
+    large = [
+        found
+        for found in blocks
+        if found is not None
+        and found.size_mm >= LEAST_SHIFT_MM
+        and found.values["explained"] >= EXPLAINED_OF_LOAD
+        and samples[found.block] >= LEAST_SAMPLES
+    ]
+    return [found for found in _grouped(large) if _stands_out(found, trace["blocks"])]
 
 
 def _exchanges(trace: dict[str, Any], name: str) -> list[Finding]:
@@ -128,7 +146,7 @@ def _lag_on_path(trace: dict[str, Any]) -> list[Finding]:
             continue
         lag = -share["ev"] / share["wvv"]
         explained = share["ev"] ** 2 / share["wvv"] / share["squares"]
-        if explained >= EXPLAINED and lag > 0:
+        if explained >= WHOLE and lag > 0:
             values = {"lag_s": lag, "explained": explained}
             most = share["most_mm"]
             found.append(Finding("axis_lags", "setpoint", share["block"], most, most, (a,), values=values))
@@ -147,7 +165,7 @@ def _scales(trace: dict[str, Any], setting: Setting) -> list[Finding]:
         explained = float(right @ (offset, slope)) / share["squares"]
         # a mere offset is no scale
         alone = share["e"] ** 2 / share["w"] / share["squares"]
-        if explained >= EXPLAINED and alone < 0.9 * explained:
+        if explained >= WHOLE and alone < 0.9 * explained:
             kind = "effradius" if setting.rotary[a] else "axis_scale"
             values = {"factor": 1 + float(slope), "explained": explained}
             most = share["most_mm"]
@@ -240,41 +258,45 @@ def _of_line(fit: dict[str, Any], trace: str) -> Finding | None:
     square = float(mean @ mean)
     if square < EXPLAINED * fit["mean_square"]:
         return None
-    size = math.sqrt(square)
-    return Finding("block_shifted", trace, fit["block"], size, fit["max_mm"], values={"vector_mm": mean})
+    values = {"vector_mm": mean, "explained": square / fit["mean_square"]}
+    return Finding("block_shifted", trace, fit["block"], math.sqrt(square), fit["max_mm"], values=values)
 
 
-#: Hypotheses of a circle: columns of the normal equations (cos, sin, 1, cos²), share that must be explained.
+#: Hypotheses of a circle: columns of the normal equations (cos, sin, 1, cos²).
 CIRCLES = (
-    ("radius_off", (2,), EXPLAINED),
-    ("centre_off", (0, 1), EXPLAINED),
-    ("centre_off", (0, 1, 2), NEARLY_ALL),
-    ("effradius", (2, 3), NEARLY_ALL),
-    ("effradius", (0, 1, 2, 3), NEARLY_ALL),
+    ("radius_off", (2,)),
+    ("centre_off", (0, 1)),
+    ("centre_off", (0, 1, 2)),
+    ("effradius", (2, 3)),
+    ("effradius", (0, 1, 2, 3)),
 )
 
 
 def _of_circle(fit: dict[str, Any], trace: str, setting: Setting) -> Finding | None:
-    c1, c2, radius = fit["circle"]
+    c1, c2, _ = fit["circle"]
     out_of_plane = fit["mean_mm"].copy()
     out_of_plane[[c1, c2]] = 0.0
     aside = float(out_of_plane @ out_of_plane)
     if aside >= EXPLAINED * fit["mean_square"]:
         size = math.sqrt(aside)
-        values = {"vector_mm": out_of_plane}
+        values = {"vector_mm": out_of_plane, "explained": aside / fit["mean_square"]}
         return Finding("block_shifted", trace, fit["block"], size, fit["max_mm"], values=values)
     rotary = setting.rotary[c1] != setting.rotary[c2]
-    for kind, columns, wanted in CIRCLES:
-        if (kind == "effradius" and not rotary) or (kind == "radius_off" and trace == "actual"):
-            continue
-        solved = _solve(fit, columns, wanted)
-        if solved is not None:
-            return _circle_finding(kind, solved, fit, trace, setting)
+    # nearly exact first, whatever it takes; else only what needs few numbers
+    for wanted, most_columns in ((NEARLY_ALL, 4), (EXPLAINED, 2)):
+        for kind, columns in CIRCLES:
+            unfit = (kind == "effradius" and not rotary) or (kind == "radius_off" and trace == "actual")
+            if unfit or len(columns) > most_columns or (kind == "effradius" and wanted == EXPLAINED):
+                continue
+            solved = _solve(fit, columns, wanted)
+            if solved is not None:
+                return _circle_finding(kind, *solved, fit, trace, setting)
     return None
 
 
-def _solve(fit: dict[str, Any], columns: tuple[int, ...], wanted: float) -> Vector | None:
-    """Least squares over some columns, zeros elsewhere; None where it explains too little or is uncertain."""
+def _solve(fit: dict[str, Any], columns: tuple[int, ...], wanted: float) -> tuple[Vector, float] | None:
+    """Least squares over some columns, zeros elsewhere, and the share that it explains; None where that is too little
+    or uncertain."""
     pick = list(columns)
     normal, right = fit["normal"][np.ix_(pick, pick)], fit["right"][pick]
     squares = fit["radial_squares"]
@@ -290,24 +312,28 @@ def _solve(fit: dict[str, Any], columns: tuple[int, ...], wanted: float) -> Vect
         return None
     full = np.zeros(4)
     full[pick] = value
-    return full
+    return full, 1 - rest / squares
 
 
-def _circle_finding(kind: str, solved: Vector, fit: dict[str, Any], trace: str, setting: Setting) -> Finding:
+def _circle_finding(
+    kind: str, solved: Vector, explained: float, fit: dict[str, Any], trace: str, setting: Setting
+) -> Finding:
     c1, c2, radius = fit["circle"]
     block, most = fit["block"], fit["max_mm"]
     if kind == "radius_off":
-        return Finding(kind, trace, block, abs(float(solved[2])), most, values={"radius_mm": radius + float(solved[2])})
+        values = {"radius_mm": radius + float(solved[2]), "explained": explained}
+        return Finding(kind, trace, block, abs(float(solved[2])), most, values=values)
     if kind == "centre_off":
         vector = np.zeros(len(fit["mean_mm"]))
         vector[[c1, c2]] = solved[:2]
-        return Finding(kind, trace, block, float(np.hypot(*solved[:2])), most, values={"vector_mm": vector})
+        values = {"vector_mm": vector, "explained": explained}
+        return Finding(kind, trace, block, float(np.hypot(*solved[:2])), most, values=values)
     # the circle was driven with other scales of its two axes: their ratio is that of the radii
     second = 1 + float(solved[2]) / radius
     first = second + float(solved[3]) / radius
     axis = c1 if setting.rotary[c1] else c2
     factor = first / second if axis == c1 else second / first
-    return Finding(kind, trace, block, most, most, (axis,), values={"factor": factor})
+    return Finding(kind, trace, block, most, most, (axis,), values={"factor": factor, "explained": explained})
 
 
 def _grouped(findings: list[Finding]) -> list[Finding]:

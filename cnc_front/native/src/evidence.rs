@@ -3,7 +3,9 @@
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use toolpaths::{AxisFit, AxisShare, BlockFit, Evidence, Exchange, ExchangeKind, HARMONICS, MOTION, Round, TraceEvidence};
+use toolpaths::{
+    AxisFit, AxisShare, BlockFit, Evidence, Exchange, ExchangeKind, HARMONICS, MOTION, Round, TraceEvidence,
+};
 
 /// {"setpoint": trace, "actual": trace, "axes": [...], "circles": [...]}; see toolpaths/diagnosis.py.
 pub fn dict<'py>(py: Python<'py>, evidence: &Evidence, axes: usize) -> PyResult<Bound<'py, PyDict>> {

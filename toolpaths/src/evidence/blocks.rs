@@ -11,9 +11,10 @@ const KEPT: usize = 64;
 /// A block is off the path when this share of its samples is, and there are at least so many.
 const MOST: f64 = 0.9;
 const LEAST_SAMPLES: u32 = 3;
-/// Feet closer than this to an end of their segment are held there, and the way to them is not normal to the path.
-const END_MM: f64 = 1e-9;
-/// One sample of so many is counted for all in the weights of [`AxisShare`].
+/// A foot that is held (at an end, or because it does not go back) is not below its sample: the way to it has more
+/// than this share along the path.
+const ASLANT: f64 = 1e-3;
+/// One sample on the path of so many is weighed for all.
 const EVERY: u32 = 8;
 
 /// One block that was off the path. Offsets are position minus foot, mm, in the axes of the path.
@@ -76,7 +77,7 @@ impl BlockFit {
 
 /// Deviation against single causes of an axis. With offset e (normal to the path), position x and velocity v of the
 /// axis, and w = 1 - (share of the axis in the tangent)²: sums that make the least squares of e = c + k * x and of
-/// e = -lag * v. Offsets are those of samples off the path; w is of all samples, from one in [`EVERY`].
+/// e = -lag * v. Samples on the path have no offset and count by their weights, one in [`EVERY`] of them for all.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AxisShare {
     pub w: f64,
@@ -91,6 +92,18 @@ pub struct AxisShare {
     /// Largest offset in this axis and its block.
     pub most: f64,
     pub block: u32,
+}
+
+impl AxisShare {
+    #[inline]
+    fn weigh(&mut self, samples: f64, x: f64, tangent: f64, speed: f64) {
+        let w = samples * (1.0 - tangent * tangent);
+        let v = tangent * speed;
+        self.w += w;
+        self.wx += w * x;
+        self.wxx += w * x * x;
+        self.wvv += w * v * v;
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -135,7 +148,7 @@ impl Off {
         self.fits.truncate(KEPT);
     }
 
-    /// Weighs a sample, on or off the path.
+    /// Weighs a sample on the path.
     #[inline]
     pub fn weigh<const N: usize>(&mut self, path: &Path, at: &At<N>) {
         self.visited = self.visited.wrapping_add(1);
@@ -148,12 +161,7 @@ impl Off {
     fn add_weights<const N: usize>(&mut self, path: &Path, at: &At<N>) {
         let (foot, tangent) = path.shape::<N>(at.place.segment).at(at.place.t);
         for (a, share) in self.axes.iter_mut().enumerate() {
-            let w = f64::from(EVERY) * (1.0 - tangent[a] * tangent[a]);
-            let v = tangent[a] * at.speed;
-            share.w += w;
-            share.wx += w * foot[a];
-            share.wxx += w * foot[a] * foot[a];
-            share.wvv += w * v * v;
+            share.weigh(f64::from(EVERY), foot[a], tangent[a], at.speed);
         }
     }
 
@@ -164,11 +172,12 @@ impl Off {
         fit.off += 1;
         fit.max = fit.max.max(at.deviation);
         let segment = &path.segments[at.place.segment];
-        if at.place.t <= END_MM || at.place.t >= segment.length - END_MM || !at.deviation.is_finite() {
-            return;
-        }
         let shape = path.shape::<N>(at.place.segment);
         let (foot, tangent) = shape.at(at.place.t);
+        let along: f64 = (0..N).map(|a| (at.x[a] - foot[a]) * tangent[a]).sum();
+        if !at.deviation.is_finite() || along.abs() > ASLANT * at.deviation {
+            return;
+        }
         fit.summed += 1;
         let share = at.place.t / segment.length;
         let weight = (4.0 * share * (1.0 - share)).powi(2);
@@ -177,6 +186,7 @@ impl Off {
         for (a, share) in self.axes.iter_mut().enumerate() {
             let (e, x) = (at.x[a] - foot[a], foot[a]);
             fit.offset[a] += weight * e;
+            share.weigh(1.0, x, tangent[a], at.speed);
             share.e += e;
             share.ex += e * x;
             share.ev += e * tangent[a] * at.speed;

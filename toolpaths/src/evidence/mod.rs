@@ -53,8 +53,8 @@ impl TraceEvidence {
     #[inline]
     pub fn add<const N: usize>(&mut self, path: &Path, at: &At<N>) {
         self.off.visit(path.segments[at.place.segment].block);
-        self.off.weigh(path, at);
         if at.deviation <= self.quiet_mm {
+            self.off.weigh(path, at);
             self.watch.quiet(at);
         } else {
             self.off.add(path, at);
