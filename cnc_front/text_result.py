@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from cnc_front.messages import limit_text, text
 from cnc_front.evidence import finding_text
-from cnc_front.messages import text
+from cnc_front.messages import limit_text, text
 from cnc_front.run import RunResult
 from cnc_front.verdict import Verdict
 
