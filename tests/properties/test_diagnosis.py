@@ -19,7 +19,7 @@ from cnc_front.execution import Execution
 from cnc_front.messages import LANGUAGES
 
 TA = 1.28e-3
-COLUMNS = ("dp", "load", "rp", "factor", "v_plan")
+COLUMNS = ("dp", "load", "rp", "factor", "v_plan", "entry", "flags")
 #: Random programs that must have no finding; the long run: CNC_FRONT_CLEAN=1000.
 CLEAN = int(os.environ.get("CNC_FRONT_CLEAN", "150"))
 Matrix = NDArray[np.float64]
@@ -35,7 +35,7 @@ class Run:
         self.sequence = self.job.program.sequence()
         self.schedule = schedule
         execution = Execution(self.job, schedule)
-        parts: dict[str, list[NDArray[Any]]] = {name: [] for name in (*COLUMNS, "entry")}
+        parts: dict[str, list[NDArray[Any]]] = {name: [] for name in COLUMNS}
         while (chunk := execution.advance(1 << 16)) is not None:
             for name, part in parts.items():
                 part.append(getattr(chunk, name).copy())
