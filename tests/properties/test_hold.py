@@ -137,8 +137,8 @@ def drive(job: LoadedJob, holds: list[int], wait: int = 137) -> tuple[Driven, li
 
 
 def explained(job: LoadedJob, before: Driven, after: Driven, pause: Pause) -> None:
-    """The end is later by what the stop costs: braking on the way that it needs, standstill, then acceleration from rest
-    with the path acceleration up to the speed of the run without the stop; from there on all is as without."""
+    """The end is later by what the stop costs: braking on the way that it needs, standstill, then acceleration
+    with the path acceleration up to the speed of the run without the stop; from there on all is as without it."""
     acc = float(np.min(job.job.program.sequence()["ac"]))
     assert np.array_equal(before.way[: pause.held], after.way[: pause.held]), "until then nothing is different"
     speed = np.diff(before.way, prepend=0.0) / SAMPLE_S
@@ -163,7 +163,7 @@ def test_hold_at_random_times(number: int) -> None:
     plain, _ = drive(job, [])
     moving = np.flatnonzero(np.diff(plain.way) > 0)
     for n in range(max(1, HOLDS // PROGRAMS)):
-        at = chance.randint(int(moving[0]), int(moving[-1]))
+        at = chance.randint(int(moving[0]) + 1, int(moving[-1]))
         once, stops = drive(job, [at])
         runs = [(plain, once, stops[-1])]
         if n % 3 == 0:  # and once more soon after it has gone on: often in the same block
