@@ -32,9 +32,12 @@ impl Translator<'_> {
                 && self.state.unknown & 1 << slot == 0
                 && (block.has(axis.letter) || value != self.state.machine[slot] || value == self.group.start[slot])
             {
-                // an axis that only stays outside was reported before
+                // an axis that only stays outside was reported before; a cycle may go outside with every peck
                 let (letter, span) = (char::from(axis.letter), block.span_of(axis.letter));
-                self.faults.push(outside(letter, value, (low, high), "", span));
+                let fault = outside(letter, value, (low, high), "", span);
+                if self.faults.iter().all(|f| (f.id, f.span) != (fault.id, span)) {
+                    self.faults.push(fault);
+                }
             }
         }
     }

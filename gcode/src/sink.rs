@@ -254,7 +254,10 @@ impl Sink {
         if motion.length < least * vl {
             vl = motion.length / least;
             if !motion.rapid {
-                self.slowed.push((motion.line, motion.span));
+                let slowed = (motion.line, motion.span);
+                if self.slowed.last() != Some(&slowed) {
+                    self.slowed.push(slowed);
+                }
             }
         }
         self.motions += 1;

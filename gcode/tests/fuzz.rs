@@ -344,3 +344,13 @@ fn any_text_ends_soon_and_in_little_memory() {
     }
     println!("{count} texts in {:?}", begun.elapsed());
 }
+
+/// A block that held a finding for each of its 50,000 pecks took 13 MB.
+#[test]
+fn many_pecks_outside_the_limits_are_one_finding() {
+    let text = b"G90 G17\nG0 X0 Y0 Z0\nG83 X5 Y5 Z-101010 F60 Q2 R3\nG80\nM30\n";
+    judge(text, &common::mill3(), &Options::default());
+    let made = compile(text, "t.nc", &common::mill3(), &Options { check_only: true, ..Options::default() });
+    let outside: Vec<_> = made.diagnostics.iter().filter(|d| d.id == "GC413").collect();
+    assert_eq!((outside.len(), outside[0].line), (1, 3), "{:?}", made.diagnostics);
+}
