@@ -11,7 +11,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from cnc_front import VERSION, history_command
+from cnc_front import VERSION, history_arguments
 from cnc_front.batch import arguments as batch_arguments
 from cnc_front.errors import CompileError, Exit, UsageError
 
@@ -50,6 +50,10 @@ def _positive(highest: float, what: str) -> Callable[[str], float]:
         return value
 
     return read
+
+
+def _speed(text: str) -> float:
+    return 0.0 if text == "max" else _positive(1001.0, "simulation speed (1 to 1000, or max)")(text)
 
 
 _seconds = _positive(1e9, "positive number of seconds")
@@ -124,7 +128,7 @@ def build_parser() -> Parser:
     machine.add_argument("action", choices=("check", "show"))
     machine.add_argument("file", metavar="FILE", nargs="?")
     _add_tui(commands, [compiling, keeping])
-    history_command.add(commands, common, keeping)
+    history_arguments.add(commands, common, keeping)
     batch_arguments.add(commands, common, _seconds, _millimetres)
     return parser
 
@@ -133,6 +137,8 @@ def _add_tui(commands: Any, parents: list[Parser]) -> None:
     tui = commands.add_parser("tui", parents=parents, help="operator's terminal")
     tui.add_argument("job", metavar="JOB", nargs="?")
     tui.add_argument("--task", metavar="N=JOB", action="append", default=[], help="a rw_SymPas job for another task")
+    tui.add_argument("--plain", action="store_true", help="line mode: events as lines, commands as words")
+    tui.add_argument("--speed", metavar="X", type=_speed, default=1.0, help="simulation speed, or max (default 1)")
     tui.add_argument("--glyphs", choices=("quadrant", "braille", "half", "ascii"), help="characters of the path plot")
     tui.add_argument("--theme", choices=("dark", "light", "mono"), help="colours")
 

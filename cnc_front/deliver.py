@@ -37,7 +37,7 @@ def run_and_write(
         if record
         else None
     )
-    plotting = _Plotting(tolerance) if report else None
+    plotting = Plotting(tolerance) if report else None
     result = dry_run(job, options, sink, plotting)
     named = evidence_keys(result.path, result.tracker, result.summary, job.machine.machine, tolerance)
     verdict = with_findings(judge(result, tolerance), named["findings"])
@@ -54,7 +54,7 @@ def run_and_write(
     if report is not None and plotting is not None:
         from cnc_front.report import write_report
 
-        machine, events = job.machine.machine, _events(result)
+        machine, events = job.machine.machine, events_of(result)
         made = plotting.report_input(run, result.summary, job.source, machine, events)
         made.time_optimal = optimal
         write_report(made, report, language)
@@ -78,7 +78,7 @@ def _measured_again(recorded: Recorded) -> ReportInput:
     machine = native_kernel.Machine.parse(recorded.machine_text.encode(), metadata["machine_path"])
     source = JobSource(metadata["job_path"], recorded.job, "din66025")
     path = native_paths.Path(recorded.sequence)
-    plotting = _Plotting(float(metadata["tolerance_mm"]))
+    plotting = Plotting(float(metadata["tolerance_mm"]))
     schedule = [(t, f) for t, f in json.loads(metadata["schedule"])]
     wanted = "time_optimal" in metadata
     tracker = native_paths.Tracker(
@@ -114,7 +114,7 @@ def _optimal(
     return time_optimal(sequence, path, tracker, machine, samples)
 
 
-def _measure(recorded: Recorded, tracker: native_paths.Tracker, plotting: _Plotting) -> int:
+def _measure(recorded: Recorded, tracker: native_paths.Tracker, plotting: Plotting) -> int:
     samples = 0
     for columns in recorded.columns():
         names = ("dp", "load", "rp", "factor", "v_plan", "entry", "flags")
@@ -139,7 +139,7 @@ def _run_of(
     return run | measured_keys(summary, machine, schedule)
 
 
-class _Plotting:
+class Plotting:
     """What only a report needs: the polyline with its deviation, the histogram."""
 
     def __init__(self, tolerance_mm: float) -> None:
@@ -151,9 +151,13 @@ class _Plotting:
     def begin(self, path: native_paths.Path, tracker: native_paths.Tracker) -> None:
         from cnc_front.report.data import PLOT_POINTS
 
-        self.path, self.tracker = path, tracker
-        self.polyline = path.polyline(0.005, PLOT_POINTS * 3 // max(3, len(path.extents)))
-        tracker.watch(self.polyline["s_mm"])
+        polyline = path.polyline(0.005, PLOT_POINTS * 3 // max(3, len(path.extents)))
+        self.attach(path, tracker, polyline)
+        tracker.watch(polyline["s_mm"])
+
+    def attach(self, path: native_paths.Path, tracker: native_paths.Tracker, polyline: dict[str, Any]) -> None:
+        """For a tracker that watches the vertices of `polyline` already."""
+        self.path, self.tracker, self.polyline = path, tracker, polyline
 
     def add(self, deviation_mm: Any) -> None:
         self.histogram.add(deviation_mm)
@@ -192,7 +196,8 @@ class _Plotting:
         )
 
 
-def _events(result: RunResult) -> list[dict[str, Any]]:
+def events_of(result: RunResult) -> list[dict[str, Any]]:
+    """What happened in a run, in order."""
     execution = result.execution
     log = [
         {"t_s": e.t_s, "kind": e.kind, "axis": e.axis, "name": e.name, "on": e.on, "line": e.line, "value": e.value}

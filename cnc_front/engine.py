@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from cnc_front.outcome import Outcome
     from cnc_front.search import Start
 
 
@@ -221,5 +222,8 @@ class Engine(Protocol):
     def snapshot(self) -> Snapshot: ...
     def new_deviation(self, since: int) -> tuple[int, NDArray[np.float32]]:
         """Deviation (mm) per path-plot vertex driven since index `since` (NaN: not yet driven), and the new index."""
+
+    def outcome(self) -> Outcome | None:
+        """The run that ended last; None before the first, and while it is not yet judged."""
 
     def close(self) -> None: ...

@@ -21,10 +21,12 @@ from cnc_front.engine import Job, Snapshot, State, Switches
 from cnc_front.errors import CompileError, UsageError
 from cnc_front.jobs import CompileOptions
 from cnc_front.messages import text
+from cnc_front.outcome import Outcome
 from cnc_front.search import Start
 from cnc_front.sim_job import LoadedJob, run_time_s
 from cnc_front.sim_load import Asked, Loaded, Loader
 from cnc_front.sim_machine import SimMachine
+from cnc_front.sim_run import SimRun
 from cnc_front.sim_view import Operator
 
 #: Samples per slice: some 5 ms of work, so that a feed hold is obeyed well within 100 ms.
@@ -64,6 +66,8 @@ class SimEngine:
         self._snapshot = self._machine.snapshot()
         self._deviation = _NOTHING
         self._deviation_at = 0.0
+        self._outcome: Outcome | None = None
+        self._judged: SimRun | None = None
         self._clock = (0.0, 0)
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._work, name="sim-engine", daemon=True)
@@ -188,6 +192,10 @@ class SimEngine:
         reached, values = self._deviation
         return reached, values[since if since <= reached else 0 : reached]
 
+    def outcome(self) -> Outcome | None:
+        """The run that ended last; there as soon as a snapshot says that it is over."""
+        return self._outcome
+
     def wait(self, seconds: float, until: Callable[[Snapshot], bool]) -> bool:
         """Waits until a snapshot fulfils `until`, at most `seconds`; for tests and line mode."""
         deadline = time.monotonic() + seconds
@@ -264,6 +272,9 @@ class SimEngine:
             self._deviation = _NOTHING
         elif now - self._deviation_at > DEVIATION_S or not run.moves_on:
             self._deviation, self._deviation_at = run.driven(), now
+        if run is not None and run.is_over and run is not self._judged and run.loaded is self._shown_job():
+            self._judged = run
+            self._outcome = run.outcome(self._outcome.number + 1 if self._outcome else 1)
         self._snapshot = self._machine.snapshot()
 
     def _shown_job(self) -> LoadedJob | None:

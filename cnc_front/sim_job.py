@@ -34,6 +34,8 @@ class LoadedJob:
     stimulus: native_kernel.Stimulus | None
     view: Job
     path: native_paths.Path
+    #: what is plotted, as toolpaths gives it
+    polyline: dict[str, Any]
     #: path length at each vertex of the plot
     vertex_s_mm: NDArray[np.float64]
     #: per programmed block: number of its motion command, path length where it begins, nominal time where it ends
@@ -42,6 +44,7 @@ class LoadedJob:
     ends_s: NDArray[np.float64]
     #: machine time of the whole job; None while unknown
     time_total_s: float | None = field(default=None)
+    stimulus_file: StimulusFile | None = None
 
     def done_mm(self, entry: int, into_entry_mm: float) -> float:
         """Path length at a place in a motion command (1-based number)."""
@@ -88,10 +91,12 @@ def load_source(
         stimulus.stimulus if stimulus else None,
         view,
         programmed,
+        line,
         line["s_mm"],
         blocks["entry"],
         blocks["s0_mm"],
         np.cumsum(blocks["length_mm"] / np.maximum(blocks["vl"], 1e-9)),
+        stimulus_file=stimulus,
     )
 
 

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import copy
+import time
+
 import numpy as np
 from numpy.typing import NDArray
 
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import toolpaths as native_paths
+from cnc_front.deliver import Plotting
 from cnc_front.engine import Stop
 from cnc_front.execution import End, Execution
+from cnc_front.outcome import Outcome, outcome_of
+from cnc_front.run import RunOptions, RunResult
 from cnc_front.sim_job import LoadedJob
 
 #: Machine time that still passes after the axes have come to rest, so that the actual positions arrive, s.
@@ -39,6 +45,9 @@ class SimRun:
             trovrst_s=machine.trovrst_s,
         )
         self.tracker.watch(loaded.vertex_s_mm)
+        self._plotting = Plotting(machine.tolerance_mm)
+        self._plotting.attach(loaded.path, self.tracker, loaded.polyline)
+        self._began, self._override = time.monotonic(), override
         self.aborted = False
         self.holding = False
         self.between_blocks = False  # the hold is one of single block
@@ -95,6 +104,7 @@ class SimRun:
 
     def _measure(self, chunk: native_kernel.Chunk) -> None:
         deviation = self.tracker.feed(chunk)
+        self._plotting.add(deviation)
         worst = int(np.argmax(deviation))
         if float(deviation[worst]) > self.deviation_max_mm:
             self.deviation_max_mm = float(deviation[worst])
@@ -125,6 +135,18 @@ class SimRun:
         values, approaching = self.tracker.watched()
         finished = self.execution.end is End.FINISHED and not self.aborted
         return (len(values) if finished else approaching), values
+
+    def outcome(self, number: int) -> Outcome:
+        """The result of a run that is over; call it once. An aborted run counts as interrupted."""
+        execution = self.execution
+        if self.aborted and execution.end is End.FINISHED:
+            execution = copy.copy(execution)
+            execution.end = End.INTERRUPTED
+        options = RunOptions(schedule=((0.0, self._override),), stimulus=self.loaded.stimulus_file)
+        wall = time.monotonic() - self._began
+        summary = self.tracker.finish()
+        result = RunResult(self.loaded.job, options, execution, summary, self.loaded.path, self.tracker, wall)
+        return outcome_of(result, self._plotting, number)
 
     # ---- the operator
 

@@ -20,8 +20,10 @@ from cnc_front.diagnostics import Diagnostic
 from cnc_front.engine import Engine, Job
 from cnc_front.errors import CompileError, UsageError
 from cnc_front.german import localized
+from tui.archive import Archive
 from tui.dialogs import Question
 from tui.frame import header, key_row, message_row, small_row
+from tui.keeper import Keeper
 from tui.keys import KEYS, SETTLE_S
 from tui.look import Look
 from tui.messages import Messages
@@ -81,8 +83,11 @@ class Terminal(App[None]):
         clock: Callable[[], datetime] = datetime.now,
         paced: bool = True,
         settle_s: float = SETTLE_S,
+        archive: Archive | None = None,
     ) -> None:
-        """`paced`: draws by itself at 10 Hz; tests call `tick` instead. `clock`: the time of day."""
+        """`archive`: the history (None: nothing is kept).
+
+        `paced`: draws by itself at 10 Hz; tests call `tick` instead. `clock`: the time of day."""
         super().__init__(ansi_color=look.name == "mono")
         if look.background:
             back, front = look.background, look.foreground
@@ -97,6 +102,7 @@ class Terminal(App[None]):
         self.switches = switches or Switches()
         self.messages = Messages(words)
         self.operation = Operation(engine, words, self.say)
+        self.keeper = Keeper(engine, archive or Archive(None, words.language), self.say)
         self.picture, self.program = PathPicture(look), ProgramView(look)
         self.job: Job | None = None
         self.pages: dict[str, Page] = {page.name: page(self) for page in PAGES}
@@ -157,6 +163,7 @@ class Terminal(App[None]):
         if self.job is not None:
             self.picture.driven(*self.engine.new_deviation(self.picture.reached))
         self.messages.watch(shown, self.clock())
+        self.keeper.watch(shown, self.clock())
         width, height = self.size
         small = width < SMALLEST[0] or height < SMALLEST[1]
         text, style, more = self.messages.current(shown, self.operation.is_armed)
@@ -279,7 +286,9 @@ class Terminal(App[None]):
 
     def action_confirm(self) -> None:
         """Does what was announced."""
-        self.operation.confirm()
+        if not self.operation.confirm():
+            self.page.confirm()
+        self.tick()
 
     def action_override(self, percent: int) -> None:
         """Feed override by percent points."""
@@ -292,13 +301,15 @@ class Terminal(App[None]):
     def action_override_value(self) -> None:
         """Asks for the feed override."""
         title = self.words("override_ask", low=LOW, high=HIGH)
-        self._ask(title, self.words("field_keys"), self.operation.override_from)
+        self.ask(title, self.words("field_keys"), self.operation.override_from)
 
     def action_speed(self, by: int) -> None:
         """Simulation speed."""
         self.operation.change_speed(by)
 
-    def _ask(self, title: str, keys: str, then: Callable[[str], None], *, field: bool = True) -> None:
+    def ask(self, title: str, keys: str, then: Callable[[str], None], *, field: bool = True) -> None:
+        """A question; `then` gets the answer."""
+
         def answered(text: str | None) -> None:
             if text is not None:
                 then(text)
@@ -311,7 +322,7 @@ class Terminal(App[None]):
         title = self.words("quit_ask")
         if self.operation.is_underway:
             title += " " + self.words("quit_runs", state=self.words.pick(face.english, face.german))
-        self._ask(title, self.words("quit_keys"), lambda _: self.exit(), field=False)
+        self.ask(title, self.words("quit_keys"), lambda _: self.exit(), field=False)
 
     def leave_from_thread(self) -> None:
         """Ends the program from another thread."""
@@ -348,7 +359,7 @@ class Terminal(App[None]):
         if self.job is None:
             self.say(self.words("goto_job"))
         else:
-            self._ask(self.words("goto"), self.words("field_keys"), self._go_to)
+            self.ask(self.words("goto"), self.words("field_keys"), self._go_to)
 
     def _go_to(self, text: str) -> None:
         line = find_block(self.job.lines, text) if self.job else None
@@ -362,6 +373,7 @@ class Terminal(App[None]):
     def action_next_message(self) -> None:
         """The next message."""
         self.messages.next()
+        self.page.next()
         self.tick()
 
     # ---- what belongs to the page

@@ -8,10 +8,13 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Callable
 
 from cnc_front.engine import Engine, State
 from cnc_front.errors import Exit, UsageError
+from cnc_front.history import place
 from tui.app import Switches, Terminal
+from tui.archive import Archive
 from tui.look import Look, choose_look
 from tui.words import Words
 
@@ -21,20 +24,50 @@ STANDSTILL_S, END_S = 5.0, 3.0
 
 def run_terminal(options: argparse.Namespace, language: str) -> int:
     """Until the operator quits. Raises UsageError where there is no terminal to draw on."""
+    if options.plain:
+        return run_plain(options, language)
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
-        raise UsageError("tui needs a terminal; `cnc-front run` works without one")
+        raise UsageError("tui needs a terminal; `tui --plain` and `cnc-front run` work without one")
     look = choose_look(options.theme, options.glyphs, os.environ)
     switches = Switches(optional_stop=options.optional_stop, skip=bool(options.skip))
     if options.job and is_sap(options):
         return debug(options, look, Words(language))
     engine = make_engine(options, language)
+    archive = Archive(place(options.history), language)
     try:
-        terminal = Terminal(engine, look, Words(language), job=options.job, switches=switches)
-        hold_when_hung_up(engine, terminal)
+        terminal = Terminal(engine, look, Words(language), job=options.job, switches=switches, archive=archive)
+        hold_when_hung_up(engine, terminal.leave_from_thread)
         terminal.run()
         return int(Exit.DONE if terminal.return_code == 0 else Exit.STOPPED)
     finally:
         engine.close()
+        archive.close()
+
+
+def run_plain(options: argparse.Namespace, language: str) -> int:
+    """Line mode, with or without a terminal, until `quit` or the end of the input. Ctrl+C holds; at rest it ends."""
+    from tui.plain import Plain
+    from tui.states import UNDERWAY
+
+    if options.job and is_sap(options):
+        raise UsageError("--plain is for part programs; rw_SymPas jobs: cnc-front run, or tui without --plain")
+    engine = make_engine(options, language)
+    archive = Archive(place(options.history), language)
+    plain = Plain(engine, Words(language), sys.stdout, archive)
+
+    def interrupted(*_: object) -> None:
+        if engine.snapshot().state not in UNDERWAY:
+            raise KeyboardInterrupt
+        engine.hold()
+
+    signal.signal(signal.SIGINT, interrupted)
+    hold_when_hung_up(engine, lambda: None)
+    try:
+        plain.run(sys.stdin, options.job)
+        return int(Exit.DONE)
+    finally:
+        engine.close()
+        archive.close()
 
 
 def is_sap(options: argparse.Namespace) -> bool:
@@ -61,10 +94,10 @@ def make_engine(options: argparse.Namespace, language: str) -> Engine:
     from cnc_front.sim import SimEngine
 
     compiling = CompileOptions(options.profile, options.optional_stop, tuple(options.skip), options.language)
-    return SimEngine(options.machine, compiling, language=language)
+    return SimEngine(options.machine, compiling, language=language, speed=options.speed)
 
 
-def hold_when_hung_up(engine: Engine, terminal: Terminal) -> None:
+def hold_when_hung_up(engine: Engine, leave: Callable[[], None]) -> None:
     """A closed terminal holds the job (ui-guide section 4); once it stands, the program ends.
 
     Without this handler SIGHUP would kill the process in the middle of a move.
@@ -76,7 +109,7 @@ def hold_when_hung_up(engine: Engine, terminal: Terminal) -> None:
         deadline = time.monotonic() + STANDSTILL_S
         while time.monotonic() < deadline and engine.snapshot().state in (State.RUNNING, State.HOLDING):
             time.sleep(0.02)
-        terminal.leave_from_thread()
+        leave()
         time.sleep(END_S)
         engine.close()
         os._exit(128 + signal.SIGHUP)  # the terminal is gone: writing its last words may block for ever

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from cnc_front.history import MOST_LINES, Filter, History, HistoryError, place
-from cnc_front.history_command import since
+from cnc_front.history_arguments import since
 from tests.app.conftest import ROOT, Cli
 
 PROGRAM = "N10 G90 G21 G17\nN20 G1 X10 F3000\nN30 M30\n"

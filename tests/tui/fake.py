@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.engine import AxisValues, Job, PathPlot, Snapshot, State
 from cnc_front.errors import CompileError
+from cnc_front.outcome import Outcome
 
 PROGRAM = """\
 (BRACKET, finish)
@@ -87,6 +88,7 @@ class FakeEngine:
     job: Job = field(default_factory=make_job)
     driven: NDArray[np.float32] = field(default_factory=lambda: np.zeros(0, np.float32))
     calls: list[str] = field(default_factory=list)
+    ended: Outcome | None = None
     deaf: bool = False  # notes what was asked for, but nothing changes
 
     def show(self, **values: Any) -> None:
@@ -142,6 +144,9 @@ class FakeEngine:
 
     def new_deviation(self, since: int) -> tuple[int, NDArray[np.float32]]:
         return len(self.driven), self.driven[since if since <= len(self.driven) else 0 :]
+
+    def outcome(self) -> Outcome | None:
+        return self.ended
 
     def close(self) -> None:
         self.calls.append("close")

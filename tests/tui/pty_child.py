@@ -36,7 +36,7 @@ def main() -> None:
     engine = Logged()
     engine.run_half()
     terminal = Terminal(engine, make_look("dark", "quadrant"), Words(), job="bracket_07.nc")
-    hold_when_hung_up(engine, terminal)
+    hold_when_hung_up(engine, terminal.leave_from_thread)
     engine.load = lambda path: engine.job  # type: ignore[method-assign]
     terminal.run()
 

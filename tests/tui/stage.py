@@ -91,6 +91,7 @@ def play(script: Script, engine: FakeEngine | None = None, size: tuple[int, int]
             clock=lambda: datetime(2026, 3, 4, 12, 31, 7),
             paced=False,
             settle_s=0.0,
+            archive=look.get("archive"),
         )
         app.operation.late_s = 60.0  # the machine of the tests may be slow
         async with app.run_test(size=size) as pilot:

@@ -51,6 +51,12 @@ class Page:
         """Esc (which has already held): True if it left something on this page, so that one stays here."""
         return False
 
+    def confirm(self) -> None:
+        """Enter, when nothing was announced."""
+
+    def next(self) -> None:
+        """The operator wants the next message."""
+
     def scroll(self, by: int) -> None:
         """Arrows and page keys, in rows."""
         self.top += by

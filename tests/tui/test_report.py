@@ -1,0 +1,149 @@
+"""The report screen: verdict, worst blocks, plots, export, comparison with earlier runs; and what is kept of a run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cnc_front.engine import State
+from cnc_front.history import Filter, History
+from tests.tui.ended import ended
+from tests.tui.fake import FakeEngine
+from tests.tui.stage import NARROW, WIDE, Stage, play, same_frame
+from tui.archive import Archive
+from tui.charts import columns, histogram, reduced
+from tui.look import make_look
+
+SIZES = {"wide": WIDE, "narrow": NARROW}
+
+
+def done() -> FakeEngine:
+    engine = FakeEngine()
+    engine.run_half()
+    engine.show(state=State.DONE)
+    engine.ended = ended()
+    return engine
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("language", ["en", "de"])
+@pytest.mark.parametrize("theme", ["dark", "mono"])
+def test_frames(size: str, language: str, theme: str) -> None:
+    async def script(stage: Stage) -> None:
+        await stage.load()
+        stage.engine.show(state=State.DONE)
+        await stage.press("7")
+        same_frame(f"report-{size}-{language}", await stage.frame())
+
+    play(script, done(), size=SIZES[size], language=language, theme=theme)
+
+
+def test_before_the_first_run_it_says_so() -> None:
+    async def script(stage: Stage) -> None:
+        await stage.press("7")
+        assert "No run has ended yet" in await stage.frame()
+        await stage.press("e")
+        assert "No run has ended yet" in stage.message
+
+    play(script)
+
+
+def test_a_chosen_block_is_shown_on_the_run_page() -> None:
+    async def script(stage: Stage) -> None:
+        await stage.load()
+        await stage.press("7", "down", "enter")
+        assert stage.app.page.name == "run"
+        assert stage.app.program.chosen == stage.engine.ended.worst[1].line  # type: ignore[union-attr]
+
+    play(script, done())
+
+
+def test_export_writes_the_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "letter.txt").write_text("mine")
+
+    async def script(stage: Stage) -> None:
+        await stage.press("7", "e", "enter")
+        await stage.until(lambda: "contour-report/report.html" in stage.message, 60)
+        await stage.press("e", *"mine", "enter")
+        await stage.until(lambda: "W301" in stage.message)
+
+    play(script, done())
+    figures = json.loads((tmp_path / "contour-report" / "report.json").read_text())
+    assert figures["findings"][0]["line"] == ended().worst[0].line
+    assert [f.name for f in (tmp_path / "mine").iterdir()] == ["letter.txt"]
+
+
+def test_the_run_is_kept_and_compared_with_the_one_before(tmp_path: Path) -> None:
+    file = tmp_path / "history.sqlite"
+    before = ended(override=0.3)
+    number = History(file).add_run(before.kept(), before.path, "run", 0)
+    archive = Archive(file, "en")
+
+    async def script(stage: Stage) -> None:
+        await stage.until(lambda: archive.wait() or len(archive.jobs) == 1)
+        await stage.press("7")
+        archive.wait()
+        await stage.press("c")
+        text = await stage.frame()
+        assert f"COMPARED with run {number}" in text and "new among the worst" in text
+        await stage.press("c")
+        assert "COMPARED" not in await stage.frame()
+
+    play(script, done(), archive=archive)
+    archive.close()
+    rows = History(file).runs(Filter())
+    assert [row["source"] for row in rows] == ["tui", "run"]
+    assert rows[0]["deviation_max_mm"] == ended().run["deviation"]["actual"]["max_mm"]
+
+
+def test_a_run_is_kept_once(tmp_path: Path) -> None:
+    archive = Archive(tmp_path / "h", "en")
+
+    async def script(stage: Stage) -> None:
+        for _ in range(5):
+            await stage.frame()
+
+    play(script, done(), archive=archive)
+    archive.close()
+    assert len(History(tmp_path / "h").runs(Filter())) == 1
+
+
+def test_a_damaged_history_is_told_once(tmp_path: Path) -> None:
+    (tmp_path / "h").write_bytes(b"no data base at all" * 200)
+    archive = Archive(tmp_path / "h", "de")
+
+    async def script(stage: Stage) -> None:
+        archive.wait()
+        await stage.frame()
+        assert "CF502" in stage.message and "beschädigt" in stage.message
+        assert sum("CF502" in entry.text for entry in stage.app.messages.log) == 1
+
+    play(script, done(), archive=archive, language="de")
+    archive.close()
+
+
+def test_no_peak_is_lost() -> None:
+    values = np.ones(100_000)
+    values[77_777] = 50.0
+    assert reduced(values, 60).max() == 50.0
+    assert reduced(np.array([1.0, 2.0]), 6).tolist() == [1, 1, 1, 2, 2, 2]
+    assert np.isnan(reduced(np.zeros(0), 3)).all() and np.isnan(reduced(np.full(9, np.nan), 3)).all()
+
+
+def test_a_chart_in_characters() -> None:
+    look = make_look("mono", "ascii")
+    rows = [row.strip(16).text for row in columns(look, np.array([1.0, 4.0, 2.0]), 16, 4, limit=3.0, ends=("0", "9"))]
+    assert rows == [
+        "       4 |  ##  ",
+        "       3 |--##--",
+        "         |  ####",
+        "         |######",
+        "          0    9",
+    ]
+    bars = [row.strip(40).text.rstrip() for row in histogram(look, ["<= 1", "<= 2", "> 2"], [3, 0, 1], 40, 2)]
+    assert bars == ["        <= 1  75.00 % #############", "        <= 2   0.00 %", "         > 2  25.00 % ####"]

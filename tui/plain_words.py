@@ -1,0 +1,55 @@
+"""Commands of the line mode: one table, from which the reader and the help come. Both languages always count."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+
+@dataclass(frozen=True, slots=True)
+class Verb:
+    """A command: the method of Plain behind `_do_`, its words, and what help says of it."""
+
+    id: str
+    english: tuple[str, ...]
+    german: tuple[str, ...]
+    help: tuple[str, str]
+
+
+VERBS: tuple[Verb, ...] = (
+    Verb(
+        "hold",
+        ("hold", "h", "stop"),
+        ("halt", "stopp"),
+        ("feed hold; so does an empty line, and Ctrl+C", "Vorschub-Halt; auch eine leere Zeile und Strg+C"),
+    ),
+    Verb("start", ("start", "r"), ("los",), ("cycle start, or goes on", "NC-Start, oder weiter")),
+    Verb("resume", ("resume", "continue"), ("weiter",), ("goes on", "fährt weiter")),
+    Verb("step", ("step", "t"), ("schritt",), ("one block", "ein Satz")),
+    Verb("single", ("single", "b"), ("einzelsatz",), ("single block on or off", "Einzelsatz ein oder aus")),
+    Verb("reset", ("reset",), ("abbruch",), ("reset yes: aborts, drops the spooler", "abbruch ja: Spooler leer")),
+    Verb("override", ("override", "ovr"), ("korrektur",), ("override 80: feed override in %", "korrektur 80: in %")),
+    Verb("speed", ("speed",), ("tempo",), ("speed 10, speed max: of the simulation", "tempo 10, tempo max")),
+    Verb("status", ("status", "s"), ("stand",), ("state, block, positions, progress", "Zustand, Satz, Positionen")),
+    Verb("position", ("position", "p"), ("position", "ort"), ("every axis in a line", "jede Achse in einer Zeile")),
+    Verb("block", ("block",), ("satz",), ("block, block N120: text of a block", "satz, satz N120: Text eines Satzes")),
+    Verb("alarms", ("alarms", "a"), ("störungen", "stoerungen"), ("open alarms", "offene Störungen")),
+    Verb("acknowledge", ("acknowledge", "ack"), ("quittieren",), ("alarms whose cause is gone", "behobene Störungen")),
+    Verb("report", ("report",), ("bericht",), ("verdict and worst blocks", "Urteil und größte Abweichungen")),
+    Verb("export", ("export",), ("export",), ("export FOLDER: the HTML report", "export ORDNER: HTML-Bericht")),
+    Verb("load", ("load", "open"), ("lade", "öffne", "oeffne"), ("load part.nc", "lade teil.nc")),
+    Verb("wait", ("wait",), ("warte",), ("wait, wait 10: until the job stands", "warte, warte 10: bis er steht")),
+    Verb("every", ("every",), ("alle",), ("every 5: a line each 5 s; 0: none", "alle 5: alle 5 s; 0: keine")),
+    Verb("help", ("help", "?"), ("hilfe",), ("this list", "diese Liste")),
+    Verb("quit", ("quit", "q", "exit"), ("ende",), ("ends; quit yes while a job runs", "beendet; ende ja im Lauf")),
+)
+
+
+@cache
+def _by_word() -> dict[str, str]:
+    return {word: verb.id for verb in VERBS for word in (*verb.english, *verb.german)}
+
+
+def verb_of(word: str) -> str | None:
+    """The command of a word; nothing typed is a hold, the one that must be easy."""
+    return "hold" if not word else _by_word().get(word.lower())
