@@ -11,7 +11,7 @@ import pytest
 from cnc_front.engine import Engine, Snapshot, State
 from cnc_front.errors import CompileError, UsageError
 from cnc_front.sim import SimEngine
-from tests.app.conftest import ROOT
+from tests.app.conftest import ROOT, Cli
 
 PROGRAM = "G90 G21 G17\nG0 X10\nG1 X40 F3000\nG3 X50 Y10 I0 J10\nG1 Y40\nM00\nX0\nY0\nM30\n"
 RESTS = (State.DONE, State.ABORTED, State.ALARM)
@@ -200,3 +200,34 @@ def test_a_fault_of_the_world_outside_is_an_alarm_that_stopped(tmp_path: Path, s
     assert "linker Hardware-Endschalter" in alarm.text
     assert -6.1 < snapshot.axes[0].actual < -5.5, "braked and at rest"
     engine.close()
+
+
+def test_the_outcome_is_that_of_run(engine: SimEngine, cli: Cli) -> None:
+    """What the terminal reports of an undisturbed run is what `cnc-front run` reports."""
+    path = ROOT / "examples/faults/contour.nc"
+    loaded(engine, path)
+    assert engine.outcome() is None
+    engine.start()
+    assert engine.wait(20, is_in(*RESTS))
+    outcome = engine.outcome()
+    assert outcome is not None and outcome.number == 1 and outcome.code == 0
+    ran = cli("run", path, "--json").object
+    for key in ("verdict", "deviation", "following_error", "machine_time_s", "samples", "alarms", "path_length_mm"):
+        assert outcome.run[key] == ran[key], key
+    assert outcome.worst[0].line == ran["deviation"]["actual"]["worst"]["line"]
+    engine.start()
+    assert engine.wait(20, lambda s: engine.outcome() is not outcome)
+    again = engine.outcome()
+    assert again is not None and again.number == 2
+
+
+def test_the_outcome_of_an_aborted_run(engine: SimEngine, job: Callable[..., Path]) -> None:
+    loaded(engine, job("G90 G21 G17\nG1 X400 F300\nM30\n"))
+    engine.set_speed(5)
+    engine.start()
+    assert engine.wait(5, lambda s: s.path_done_mm > 1)
+    engine.reset()
+    assert engine.wait(10, is_in(State.ABORTED))
+    outcome = engine.outcome()
+    assert outcome is not None and outcome.code == 130 and outcome.run["status"] == "stopped"
+    assert [reason["id"] for reason in outcome.run["verdict"]["reasons"]] == ["interrupted"]
