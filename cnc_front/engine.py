@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from cnc_front.outcome import Outcome
     from cnc_front.search import Start
+    from cnc_front.service import Service
 
 
 class State(StrEnum):
@@ -225,5 +226,8 @@ class Engine(Protocol):
 
     def outcome(self) -> Outcome | None:
         """The run that ended last; None before the first, and while it is not yet judged."""
+
+    def service(self) -> Service | None:
+        """Registers, tasks and variables; kept up to date while somebody asks. None before the first answer."""
 
     def close(self) -> None: ...

@@ -23,6 +23,7 @@ from cnc_front.jobs import CompileOptions
 from cnc_front.messages import text
 from cnc_front.outcome import Outcome
 from cnc_front.search import Start
+from cnc_front.service import Service, service_of
 from cnc_front.sim_job import LoadedJob, run_time_s
 from cnc_front.sim_load import Asked, Loaded, Loader
 from cnc_front.sim_machine import SimMachine
@@ -39,6 +40,8 @@ TICK_S = 0.008
 LAG_S = 0.25
 #: Wall seconds between copies of the deviation per vertex.
 DEVIATION_S = 0.05
+#: Wall seconds between two readings of all registers, while somebody looks.
+SERVICE_S = 0.15
 #: A program that is checked again before its start starts by itself only within this time of the key, s.
 PROMPT_S = 1.0
 
@@ -68,6 +71,8 @@ class SimEngine:
         self._deviation_at = 0.0
         self._outcome: Outcome | None = None
         self._judged: SimRun | None = None
+        self._service: Service | None = None
+        self._service_asked = self._service_at = 0.0
         self._clock = (0.0, 0)
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._work, name="sim-engine", daemon=True)
@@ -196,6 +201,13 @@ class SimEngine:
         """The run that ended last; there as soon as a snapshot says that it is over."""
         return self._outcome
 
+    def service(self) -> Service | None:
+        """Registers, tasks and variables; read again and again for a second after each call."""
+        self._service_asked = time.monotonic()
+        if not self._machine.moves_on:
+            self._wish(lambda: None)  # at rest the thread waits for wishes
+        return self._service
+
     def wait(self, seconds: float, until: Callable[[Snapshot], bool]) -> bool:
         """Waits until a snapshot fulfils `until`, at most `seconds`; for tests and line mode."""
         deadline = time.monotonic() + seconds
@@ -275,6 +287,9 @@ class SimEngine:
         if run is not None and run.is_over and run is not self._judged and run.loaded is self._shown_job():
             self._judged = run
             self._outcome = run.outcome(self._outcome.number + 1 if self._outcome else 1)
+        if now - self._service_asked < 1.0 and now - self._service_at > SERVICE_S:
+            mcu = self._machine.bench.mcu if run is None else run.execution.mcu
+            self._service, self._service_at = service_of(mcu, self._machine.bench.file, self._language), now
         self._snapshot = self._machine.snapshot()
 
     def _shown_job(self) -> LoadedJob | None:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from functools import cache
 
 from cnc_front.deliver import Plotting
+from cnc_front.execution import Execution
 from cnc_front.jobs import CompiledJob, CompileOptions, JobSource, compile_job, load_machine
 from cnc_front.outcome import Outcome, outcome_of
 from cnc_front.run import RunOptions, dry_run
+from cnc_front.service import Service, service_of
 
 PROGRAM = b"""N10 G90 G21 G17
 N20 G0 X10 Y5
@@ -31,3 +33,11 @@ def ended(number: int = 1, override: float = 1.0, tolerance_mm: float | None = N
     plotting = Plotting(tolerance_mm or job.machine.machine.tolerance_mm)
     result = dry_run(job, RunOptions(schedule=((0.0, override),)), None, plotting)
     return outcome_of(result, plotting, number, tolerance_mm)
+
+
+def registers(language: str, samples: int = 500) -> Service:
+    """The controller after so many samples of that program."""
+    execution = Execution(compiled())
+    while execution.mcu.samples() < samples:
+        execution.advance(samples - execution.mcu.samples())
+    return service_of(execution.mcu, compiled().machine, language)

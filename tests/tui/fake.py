@@ -12,6 +12,7 @@ from cnc_front.diagnostics import Diagnostic
 from cnc_front.engine import AxisValues, Job, PathPlot, Snapshot, State
 from cnc_front.errors import CompileError
 from cnc_front.outcome import Outcome
+from cnc_front.service import Service
 
 PROGRAM = """\
 (BRACKET, finish)
@@ -89,6 +90,7 @@ class FakeEngine:
     driven: NDArray[np.float32] = field(default_factory=lambda: np.zeros(0, np.float32))
     calls: list[str] = field(default_factory=list)
     ended: Outcome | None = None
+    registers: Service | None = None
     deaf: bool = False  # notes what was asked for, but nothing changes
 
     def show(self, **values: Any) -> None:
@@ -147,6 +149,9 @@ class FakeEngine:
 
     def outcome(self) -> Outcome | None:
         return self.ended
+
+    def service(self) -> Service | None:
+        return self.registers
 
     def close(self) -> None:
         self.calls.append("close")

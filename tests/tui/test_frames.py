@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cnc_front.engine import Alarm, State
+from tests.tui.ended import registers
 from tests.tui.fake import FakeEngine
 from tests.tui.stage import NARROW, WIDE, Stage, play, same_frame
 
@@ -68,6 +69,7 @@ def test_other_pages(page: str, language: str, size: str, tmp_path, monkeypatch)
             if page == "alarms":
                 fault = Alarm(48.2, "E107", "Y", 9, "mpe: following error beyond mpe", True)
                 stage.engine.show(state=State.ALARM, why="mpe", alarms=(fault,))
+            stage.engine.registers = registers(language)
             await stage.press(keys[page])
         same_frame(f"{page}-{size}-{language}", await stage.frame())
 
