@@ -171,6 +171,7 @@ class Plotting:
         events: list[dict[str, Any]],
     ) -> ReportInput:
         from cnc_front.report import ReportInput
+        from cnc_front.report.evidence import circle_curves
         from cnc_front.report.limits import LimitData
 
         watched, _ = self.tracker.watched()
@@ -191,6 +192,7 @@ class Plotting:
             measured=self.tracker.blocks(),
             series=self.tracker.series(),
             histogram=self.histogram,
+            circles=circle_curves(self.tracker.evidence(), run["circularity"]),
             events=events,
             limits=limits,
         )

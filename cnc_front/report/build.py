@@ -13,13 +13,14 @@ from cnc_front import VERSION
 from cnc_front.messages import text
 from cnc_front.outputs import REPORT_FILE, REPORT_MARK
 from cnc_front.recording import VOLATILE
+from cnc_front.report import evidence
 from cnc_front.report.data import ReportInput, block_table, findings, gaps, plot_data, statistics, worst_vertices
 from cnc_front.report.limits import limit_rows, limit_words
 from cnc_front.report.words import WORDS
 
 SCHEMA = "cnc-front/report/1"
 #: Parts of the script of the page, in their order.
-SCRIPTS = ("plot.js", "limits.js", "path.js", "table.js", "report.js")
+SCRIPTS = ("plot.js", "limits.js", "path.js", "table.js", "report.js", "evidence.js")
 
 
 def write_report(report: ReportInput, folder: Path, language: str) -> None:
@@ -34,6 +35,7 @@ def write_report(report: ReportInput, folder: Path, language: str) -> None:
     (folder / "report.json").write_text(json.dumps(figures, indent=1, allow_nan=False), encoding="utf-8")
     _write_blocks(folder / "blocks.csv", rows)
     _write_pictures(report, folder / "png")
+    evidence.write_pictures(report.circles, folder / "png")
 
 
 def report_json(report: ReportInput, worst: list[dict[str, Any]]) -> dict[str, Any]:
@@ -63,7 +65,10 @@ def html(report: ReportInput, data: dict[str, Any], figures: dict[str, Any], lan
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     room = files("cnc_front.report")
     template = environment.from_string((room / "report.html.j2").read_text(encoding="utf-8"))
-    reasons = report.run["verdict"]["reasons"]
+    # named findings are told one by one below the reasons
+    reasons = [reason for reason in report.run["verdict"]["reasons"] if reason["id"] != "named_findings"]
+    units = dict(zip(report.axes, report.units, strict=True))
+    shown = evidence.plot_data(report.run, report.circles, language)
     spoken = limit_words(report.limits, report.axes, language)
     return template.render(
         mark=REPORT_MARK,
@@ -71,7 +76,9 @@ def html(report: ReportInput, data: dict[str, Any], figures: dict[str, Any], lan
         words=WORDS[language],
         css=(room / "report.css").read_text(encoding="utf-8"),
         script="\n".join((room / name).read_text(encoding="utf-8") for name in SCRIPTS),
-        data=_script_json(data | {"words": WORDS[language], "limitWords": spoken}),
+        data=_script_json(data | {"words": WORDS[language], "limitWords": spoken} | shown),
+        named=evidence.named(report.run, language),
+        evidence=evidence.sections(report.run, units, language),
         limits=figures["limits"],
         limit_words=spoken,
         optimal=figures["time_optimal"],
@@ -81,7 +88,7 @@ def html(report: ReportInput, data: dict[str, Any], figures: dict[str, Any], lan
         version=VERSION,
         reasons=[text(r["id"], language, **{k: v for k, v in r.items() if k != "id"}) for r in reasons],
         note=report.note,
-        units=dict(zip(report.axes, report.units, strict=True)),
+        units=units,
         mpe=dict(zip(report.axes, report.mpe, strict=True)),
         axes=report.axes,
         findings=figures["findings"],

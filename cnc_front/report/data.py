@@ -66,6 +66,8 @@ class ReportInput:
     histogram: Histogram
     events: list[dict[str, Any]] = field(default_factory=list)
     note: str = ""
+    #: polar curves of the circles of `run["circularity"]`
+    circles: list[dict[str, Any]] = field(default_factory=list)
     limits: LimitData = field(default_factory=LimitData)
     time_optimal: TimeOptimal | None = None
 

@@ -1,0 +1,73 @@
+"""Words of the sections of cnc_front.report.evidence, English and German."""
+
+from __future__ import annotations
+
+WORDS: dict[str, dict[str, str]] = {
+    "en": {
+        "named": "Findings",
+        "named_help": "A cause is named where it explains nearly all of a deviation.",
+        "circularity": "Circularity by ISO 230-4",
+        "line": "line",
+        "plane": "plane",
+        "radius": "radius mm",
+        "feed": "F mm/min",
+        "direction": "direction",
+        "ccw": "counter-clockwise",
+        "cw": "clockwise",
+        "circular": "G µm",
+        "bidirectional": "G(b) µm",
+        "radial": "F max / min µm",
+        "mean": "D µm",
+        "circularity_help": "G circular deviation (minimum zone), G(b) of both directions, F radial deviation about "
+        "the programmed centre, D mean bidirectional radial deviation. The circle as driven, with its start and end.",
+        "magnified": "deviation magnified",
+        "checks": "Axes",
+        "axis": "axis",
+        "range": "range",
+        "limits": "software limits",
+        "margin": "margin",
+        "following": "following error / mpe",
+        "velocity": "velocity / maxvel",
+        "acceleration": "acceleration / maxacc",
+        "jerk": "jerk",
+        "motor": "motor command, peak",
+        "saturated": "at its end",
+        "checks_help": "Of set points, sample by sample: a step by mdvel at a junction is an acceleration of "
+        "mdvel / TA. Histograms: samples by magnitude, dashed: maxacc.",
+        "samples": "samples",
+    },
+    "de": {
+        "named": "Befunde",
+        "named_help": "Eine Ursache wird genannt, wenn sie fast die ganze Abweichung erklärt.",
+        "circularity": "Kreisformprüfung nach ISO 230-4",
+        "line": "Zeile",
+        "plane": "Ebene",
+        "radius": "Radius mm",
+        "feed": "F mm/min",
+        "direction": "Richtung",
+        "ccw": "gegen den Uhrzeigersinn",
+        "cw": "im Uhrzeigersinn",
+        "circular": "G µm",
+        "bidirectional": "G(b) µm",
+        "radial": "F max / min µm",
+        "mean": "D µm",
+        "circularity_help": "G Kreisformabweichung (kleinste Zone), G(b) beider Richtungen, F Radialabweichung um den "
+        "programmierten Mittelpunkt, D mittlere Radialabweichung beider Richtungen. Der Kreis wie gefahren, mit "
+        "Anfang und Ende.",
+        "magnified": "Abweichung vergrößert",
+        "checks": "Achsen",
+        "axis": "Achse",
+        "range": "Bereich",
+        "limits": "Software-Endschalter",
+        "margin": "Abstand",
+        "following": "Schleppfehler / mpe",
+        "velocity": "Geschwindigkeit / maxvel",
+        "acceleration": "Beschleunigung / maxacc",
+        "jerk": "Ruck",
+        "motor": "Stellgröße, Spitze",
+        "saturated": "am Anschlag",
+        "checks_help": "Der Sollwerte, Abtastung für Abtastung: ein Sprung um mdvel am Satzübergang ist eine "
+        "Beschleunigung von mdvel / TA. Histogramme: Abtastungen nach Betrag, gestrichelt: maxacc.",
+        "samples": "Abtastungen",
+    },
+}
