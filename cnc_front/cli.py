@@ -104,6 +104,7 @@ def build_parser() -> Parser:
     run = commands.add_parser("run", parents=[compiling, part, keeping], help="dry-run a job and judge it")
     run.add_argument("job", metavar="JOB")
     run.add_argument("--override", metavar="SCHEDULE", default="1", help="0.5 or 0:1.0,2.5:0.5 (seconds:factor)")
+    run.add_argument("--override-sweep", metavar="A:B:STEP", help="a table of runs at factors, e.g. 0.1:1.5:0.1")
     run.add_argument("--record", metavar="F.mcap", help="write a recording")
     run.add_argument("--report", metavar="DIR", help="write a report")
     run.add_argument("--tolerance", metavar="MM", type=_millimetres, help="limit of the contour deviation")

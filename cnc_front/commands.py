@@ -97,11 +97,13 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     from cnc_front.progress import Progress
     from cnc_front.run import RunOptions
     from cnc_front.schedule import parse_schedule
+    from cnc_front.sweep import parse_sweep
 
     language = language_from(options.lang)
     progress = Progress(language, quiet=options.quiet)
     schedule, optimal = parse_schedule(options.override), options.time_optimal
     run_options = RunOptions(schedule, options.max_time, interrupted, progress, time_optimal=optimal)
+    run_options = replace(run_options, sweep=parse_sweep(options.override_sweep))
     inputs = [options.job, options.machine or "", options.stimulus or ""]
     if options.time_optimal:
         from cnc_front.time_optimal import check_available

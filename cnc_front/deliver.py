@@ -45,6 +45,10 @@ def run_and_write(
     motors = motor_commands(result.execution.mcu, job.machine.machine.axis_names)
     run = run_object(result, verdict, files) | named | {"motor_command": motors}
     run["verdict"]["tolerance_from"] = _tolerance_from(tolerance_mm)
+    if options.sweep:
+        from cnc_front.sweep import override_sweep
+
+        run["override_sweep"] = override_sweep(job, options, options.sweep, tolerance)
     optimal = None
     if options.time_optimal:
         optimal = _optimal(job.program.sequence(), result.path, result.tracker, job.machine.machine, run["samples"])

@@ -140,6 +140,10 @@ TEXTS: dict[str, tuple[str, str]] = {
         "neu geprüft ab der jetzigen Stellung; r startet",
     ),
     "not_checked": ("not started: {finding}", "nicht gestartet: {finding}"),
+    "sweep_head": (
+        "override|verdict|    time s|deviation um|path change um|ratio error %|F reached %|% of maxacc",
+        "Override|Urteil |    Zeit s|Abweichung um|Bahnänderung um|Verhältnisfehler %|F erreicht %|% von maxacc",
+    ),
     "findings": ("findings", "Befunde"),
     "trace_setpoint": ("set point", "Sollwert"),
     "trace_actual": ("load side", "Lastseite"),

@@ -48,6 +48,8 @@ class RunOptions:
     interrupted: Callable[[], bool] = lambda: False
     #: told after every chunk how far the run is
     progress: Callable[[Execution], None] = lambda execution: None
+    #: override factors of a sweep beside the run itself
+    sweep: tuple[float, ...] = ()
     #: what the world outside does
     stimulus: StimulusFile | None = None
     #: collect what the time-optimal bound needs

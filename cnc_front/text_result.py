@@ -7,6 +7,7 @@ from typing import Any
 from cnc_front.evidence import finding_text
 from cnc_front.messages import limit_text, text
 from cnc_front.run import RunResult
+from cnc_front.sweep import sweep_text
 from cnc_front.verdict import Verdict
 
 #: SGR colours of ui-guide section 5: good, warn, bad.
@@ -49,6 +50,8 @@ def result_text(
     for key, label in (("recording", "recording"), ("report", "report")):
         if run["files"][key]:
             rows.append(_row(say(label), run["files"][key]))
+    if run["override_sweep"]:
+        rows += ["", *sweep_text(run["override_sweep"], language)]
     if run["output"]:
         rows += ["", *run["output"]]
     return "\n".join(rows)

@@ -99,7 +99,7 @@ KEYS = (
     *("schema", "job", "machine", "status", "error", "machine_time_s", "wall_time_s", "samples", "sample_time_us"),
     *("commands", "path_length_mm", "merged", "deviation", "following_error", "feed", "override", "time_optimal_s"),
     *("alarms", "error_register", "output", "files", "diagnostics", "stimulus"),
-    *("findings", "circularity", "axes", "motor_command"),
+    *("findings", "circularity", "axes", "motor_command", "override_sweep"),
 )
 EMPTY: dict[str, Any] = dict.fromkeys(KEYS)
 SCHEMA = "cnc-front/run/1"

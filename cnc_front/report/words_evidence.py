@@ -35,6 +35,16 @@ WORDS: dict[str, dict[str, str]] = {
         "checks_help": "Of set points, sample by sample: a step by mdvel at a junction is an acceleration of "
         "mdvel / TA. Histograms: samples by magnitude, dashed: maxacc.",
         "samples": "samples",
+        "sweep": "Override sweep",
+        "override": "override",
+        "verdict": "verdict",
+        "time": "time",
+        "deviation": "deviation",
+        "path_change": "path changed by",
+        "ratio": "velocity ratio error",
+        "reached": "F x override reached",
+        "acceleration_share": "acceleration of maxacc",
+        "sweep_help": "One run for each factor, held from the start.",
     },
     "de": {
         "named": "Befunde",
@@ -69,5 +79,15 @@ WORDS: dict[str, dict[str, str]] = {
         "checks_help": "Der Sollwerte, Abtastung für Abtastung: ein Sprung um mdvel am Satzübergang ist eine "
         "Beschleunigung von mdvel / TA. Histogramme: Abtastungen nach Betrag, gestrichelt: maxacc.",
         "samples": "Abtastungen",
+        "sweep": "Durchlauf der Vorschubkorrektur",
+        "override": "Override",
+        "verdict": "Urteil",
+        "time": "Zeit",
+        "deviation": "Abweichung",
+        "path_change": "Bahnänderung",
+        "ratio": "Verhältnisfehler",
+        "reached": "F x Override erreicht",
+        "acceleration_share": "Beschleunigung von maxacc",
+        "sweep_help": "Ein Lauf je Faktor, vom Start an gehalten.",
     },
 }
