@@ -237,6 +237,13 @@ def batch(options: argparse.Namespace) -> int:
     return batch(options)
 
 
+def tune(options: argparse.Namespace) -> int:
+    """`cnc-front tune`."""
+    from cnc_front.tune import tune
+
+    return tune(options)
+
+
 def compare(options: argparse.Namespace) -> int:
     """`cnc-front compare`."""
     from cnc_front.batch.compare import compare
@@ -254,4 +261,5 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "tui": tui,
     "batch": batch,
     "compare": compare,
+    "tune": tune,
 }

@@ -144,6 +144,16 @@ TEXTS: dict[str, tuple[str, str]] = {
         "override|verdict|    time s|deviation um|path change um|ratio error %|F reached %|% of maxacc",
         "Override|Urteil |    Zeit s|Abweichung um|Bahnänderung um|Verhältnisfehler %|F erreicht %|% von maxacc",
     ),
+    "tune_head": (
+        "{names}  verdict    time s  deviation um    line",
+        "{names}  Urteil     Zeit s  Abweichung um  Zeile",
+    ),
+    "tune_present": ("as it is", "wie bisher"),
+    "tune_more": ("... {count} more (--json, --out)", "... {count} weitere (--json, --out)"),
+    "tune_foot": (
+        "* none is better in time and deviation; limit {limit_um:g} um",
+        "* keiner ist in Zeit und Abweichung besser; Grenze {limit_um:g} um",
+    ),
     "findings": ("findings", "Befunde"),
     "trace_setpoint": ("set point", "Sollwert"),
     "trace_actual": ("load side", "Lastseite"),

@@ -41,18 +41,18 @@ def check_autocode(path: str, inputs: Iterable[str]) -> Path:
     return target
 
 
-def check_report(path: str, inputs: Iterable[str]) -> Path:
+def check_report(path: str, inputs: Iterable[str], option: str = "--report") -> Path:
     """The folder for a report, or UsageError: new, empty, or holding an earlier report."""
     target = Path(path)
-    _refuse_inputs(target, inputs, "--report")
+    _refuse_inputs(target, inputs, option)
     if target.exists() and not target.is_dir():
-        raise UsageError(f"--report: {path} is a file; give a folder")
+        raise UsageError(f"{option}: {path} is a file; give a folder")
     if target.is_dir() and any(target.iterdir()) and not _is_report(target / REPORT_FILE):
-        raise UsageError(f"--report: {path} holds files that are no report of ours; choose another folder")
+        raise UsageError(f"{option}: {path} holds files that are no report of ours; choose another folder")
     above = next((folder for folder in (target, *target.absolute().parents) if folder.exists()), target)
     if not above.is_dir():
-        raise UsageError(f"--report: {above} is a file; a folder cannot be made below it")
-    _refuse_readonly(above, "--report")
+        raise UsageError(f"{option}: {above} is a file; a folder cannot be made below it")
+    _refuse_readonly(above, option)
     return target
 
 

@@ -19,7 +19,7 @@ PLOTS = 12
 
 def circle_curves(evidence: dict[str, Any], figures: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """What the polar plots draw: radius beyond the nominal one (um) by angle, for the circles that have figures."""
-    curves = []
+    curves: list[dict[str, Any]] = []
     for circle in evidence["circles"]:
         if len(curves) == len(figures) or len(curves) == PLOTS:
             break
