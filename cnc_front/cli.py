@@ -11,7 +11,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from cnc_front import VERSION, history_arguments
+from cnc_front import VERSION, history_arguments, tune_arguments
 from cnc_front.batch import arguments as batch_arguments
 from cnc_front.errors import CompileError, Exit, UsageError
 
@@ -26,9 +26,6 @@ EXAMPLES = """examples:
   cnc-front history --verdict FAIL --since 7d    what ran here before
 exit codes: 0 done; 1 a check failed; 2 bad input; 3 stopped by fault or time limit; 130 interrupted
 """
-
-
-RANGE_HELP = "factors (default 0.5:2:0.25), or values: kp=0.4:0.8:0.1:abs"
 
 
 class Parser(argparse.ArgumentParser):
@@ -134,18 +131,7 @@ def build_parser() -> Parser:
     machine.add_argument("file", metavar="FILE", nargs="?")
     _add_tui(commands, [compiling, keeping])
     history_arguments.add(commands, common, keeping)
-    history_command.add(commands, common, keeping)
-    tune = commands.add_parser("tune", parents=[compiling], help="sweep machine parameters, show the trade-off")
-    tune.add_argument("job", metavar="JOB")
-    tune.add_argument("--vary", metavar="NAME,NAME", required=True, help="numbers of the machine file: mdvel,kp,lag_s")
-    tune.add_argument("--for", dest="goal", choices=("time", "deviation"), default="time", help="what is best")
-    tune.add_argument("--range", metavar="NAME=A:B:STEP", action="append", default=[], help=RANGE_HELP)
-    tune.add_argument("--axes", metavar="X,Y", help="axes that are varied (default: all)")
-    tune.add_argument("--override", metavar="SCHEDULE", default="1", help="as for run")
-    tune.add_argument("--tolerance", metavar="MM", type=_millimetres, help="limit of the contour deviation")
-    tune.add_argument("--max-time", metavar="S", type=_seconds, default=86400.0, help="machine and wall time of a run")
-    tune.add_argument("--out", metavar="DIR", help="report.html with the curve, tune.json")
-    tune.add_argument("--json", action="store_true", help="the result as one JSON object")
+    tune_arguments.add(commands, [compiling], _seconds, _millimetres)
     batch_arguments.add(commands, common, _seconds, _millimetres)
     return parser
 

@@ -30,9 +30,11 @@ def scatter(rows: Sequence[dict[str, Any]], tolerance_mm: float, words: dict[str
             if min([*logs, limit]) <= value <= max([*logs, limit]):
                 parts += [_line(LEFT, y(value), WIDTH - RIGHT, y(value), "grid")]
                 parts += [_text(LEFT - 8, y(value) + 4, f"{step * 10**power:g}", "end")]
+    # so many that neighbouring labels differ
+    digits = max(0, 1 - math.floor(math.log10(max(max(times) - min(times), 1e-6) / 5)))
     for k in range(6):
         value = min(times) + (max(times) - min(times)) * k / 5
-        parts.append(_text(x(value), HEIGHT - BOTTOM + 18, f"{value:.4g}", "middle"))
+        parts.append(_text(x(value), HEIGHT - BOTTOM + 18, f"{value:.{digits}f}", "middle"))
     parts.append(_text(WIDTH - RIGHT, HEIGHT - 6, words["time_axis"], "end"))
     parts.append(_text(4, 12, words["deviation_axis"], "start"))
     curve = sorted(

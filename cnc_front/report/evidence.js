@@ -50,6 +50,6 @@ document.querySelectorAll("canvas.polar").forEach((element, k) => { element.data
 const dynamics = document.getElementById("dynamics");
 for (const [name, axis] of Object.entries(data.checks)) if (dynamics) for (const [kind, bins, limit, unit] of [["acceleration", axis.acceleration, axis.accelerationLimit, "/s²"], ["jerk", axis.jerk, 0, "/s³"]]) {
   const own = document.createElement("canvas");
-  own.className = "axis"; own.setAttribute("role", "img"); own.setAttribute("aria-label", checkWords[kind] + " " + name); dynamics.append(own);
+  own.className = "magnitude"; own.setAttribute("role", "img"); own.setAttribute("aria-label", checkWords[kind] + " " + name); dynamics.append(own);
   magnitudes(own, bins, name + " " + checkWords[kind].split(" ")[0] + " " + data.units[data.axes.indexOf(name)] + unit, limit);
 }

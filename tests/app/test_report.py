@@ -92,6 +92,7 @@ def test_the_page_stands_alone(reported: tuple[Path, dict]) -> None:
     assert not re.search(r"https?://|@import|url\(", html)
     assert len(html) < 2 << 20
     assert sorted(p.name for p in (folder / "run/png").iterdir()) == [
+        *(f"circle-{n}.png" for n in range(1, 5)),
         "path-xy-magnified.png",
         "path-xy.png",
         "path-xz.png",
@@ -249,3 +250,38 @@ def test_the_page_can_be_used(reported: tuple[Path, dict], tmp_path: Path) -> No
     with (reported[0] / "run/blocks.csv").open(encoding="utf-8", newline="") as file:
         arcs = sum("g3" in r["text"].lower() for r in csv.DictReader(file))
     assert f'data-arcs="{arcs}"' in body[0] and arcs > 0
+
+
+WORN = "G21 G90 G17 G64\nG1 X20 Y-30 F1500\nY0\nG3 X20 Y0 I-20 J0\nG1 Y30\nY0\nG2 X20 Y0 I-20 J0\nG1 Y-30\nM30\n"
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
+def test_named_findings_and_circles_are_shown(cli: Cli, job: Callable[..., Path], tmp_path: Path) -> None:
+    assert CHROMIUM is not None
+    machine = tmp_path / "worn.toml"
+    text = cli("machine", "show").out
+    machine.write_text(text.replace("backlash = 0.0\n", "backlash = 0.01\n", 1), "utf-8")
+    outputs = ("--report", tmp_path / "r", "--record", tmp_path / "r.mcap")
+    ran = cli("run", job(WORN), "--machine", machine, *outputs, "--json")
+    run = ran.object
+    assert ran.code == 0 and run["verdict"]["word"] == "WARN"
+    (found,) = run["findings"]
+    assert (found["kind"], found["axes"]) == ("reversal_error", ["X"])
+    assert found["size_mm"] == pytest.approx(0.01, rel=0.02)
+    assert cli("report", tmp_path / "r.mcap", tmp_path / "again").code == 0
+    assert figures(tmp_path / "r") == figures(tmp_path / "again")
+    done = subprocess.run(
+        [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr"]
+        + ["--virtual-time-budget=3000", "--dump-dom", (tmp_path / "r/report.html").as_uri()],
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert not [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+    page = Page(done.stdout)
+    assert f"{found['size_mm'] * 1e3:.2f} um" in done.stdout.split('id="named"')[1][:300]
+    assert float(page.texts["fig-circular"]) == pytest.approx(run["circularity"][0]["circular_mm"] * 1e3, abs=0.005)
+    assert done.stdout.count('<canvas class="polar"') == 2 and done.stdout.count('<canvas class="magnitude"') == 6
+    assert f"{run['axes']['X']['limit_margin']:.3f}" in done.stdout
+    assert f"{run['motor_command']['X']['peak_pct']:.1f} %" in done.stdout
+    assert sorted(p.name for p in (tmp_path / "r/png").iterdir())[:2] == ["circle-1.png", "circle-2.png"]
