@@ -364,7 +364,9 @@ class Loops(Driver):
     def rs(self) -> None:
         """Resets the system: loops open, spoolers emptied, tasks stopped, overrides 1.0. Common variables, system
         data, MODEREG, ErrorReg and ifs stay."""
-        self._mcu.rs()
+        emulator = self._mcu
+        self._card.read_environment()
+        emulator.rs()
 
     @command("4.4.64", "digits, counts, s")
     def rdf(self, axis: AxisId) -> Filter:

@@ -15,6 +15,8 @@ AxisId = str | int
 Axes = AxisId | Iterable[AxisId]
 InterruptRoutine = Callable[[int], None]
 
+ENDAT_VERSIONS = {"11": 11, "16": 16}  # values of the environment variable MT that mean an ENDAT encoder
+
 TIMEOUT = -4  # return code: no communication with the card
 FAILED = 1  # return code: not done
 
@@ -39,8 +41,14 @@ class Card:
     def take(self, machine: Machine) -> None:
         """Takes over system data."""
         self.machine, self.initialised, self.trace = machine, True, None
+        self.read_environment()
         self.emulator.initialise(machine.native)
         self.__post_init__()
+
+    def read_environment(self) -> None:
+        """What the operating system takes from its environment as it starts: MT of each axis (MT0, MT1 ...)."""
+        values = (self.environment.get(f"MT{axis}", "").strip() for axis in range(len(self.machine.axis_names)))
+        self.emulator.set_endat_environment([ENDAT_VERSIONS.get(mt, 0) for mt in values])
 
 
 class Driver:

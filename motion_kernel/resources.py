@@ -7,81 +7,67 @@
 
 from __future__ import annotations
 
-import re
 import struct
-from collections.abc import Sequence
-from dataclasses import dataclass
-from enum import IntEnum
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from cnc_front._native import motion_kernel as native
+from motion_kernel import scanner
+from motion_kernel.devices import (
+    BUS,
+    DEVICES,
+    READ,
+    WRITE,
+    Code,
+    DataType,
+    Device,
+    ObjectDescriptor,
+    ResourceError,
+    device_named,
+    whole,
+)
 from motion_kernel.driver import AxisId, Driver
+from motion_kernel.machine import Machine
+from motion_kernel.scanner import Scannable
 
-BUS = 1000
-READ, WRITE = 1, 2  # access types; 3 (both) is wrong for resources
-CP = 200  # first of the 15 columns of controller parameters
+if TYPE_CHECKING:
+    from typing_extensions import Buffer
 
-
-class Code(IntEnum):
-    """Return codes of the object interface: BUSY is to be repeated, anything but BUSY and OK is an error."""
-
-    UNKNOWN = 1
-    BUSY = 2
-    OK = 4
-    HARDWARE = 8
-    STATE_ERR = 0x80
-
-
-class DataType(IntEnum):
-    """Data types of descriptors. Only the number of DATA_BLOCK is in the manual, the others are ours."""
-
-    BYTE = 1
-    WORD = 2
-    INTEGER = 3
-    FLOAT = 4
-    DOUBLE = 5
-    DATA_BLOCK = 6
-    SHORT = 7
+__all__ = [
+    "BUS",
+    "DEVICES",
+    "READ",
+    "WRITE",
+    "Code",
+    "DataType",
+    "EndatSetup",
+    "HostMemory",
+    "ObjectDescriptor",
+    "Resource",
+    "ResourceAccess",
+    "ResourceError",
+    "Resources",
+]
 
 
-class ResourceError(Exception):
-    """Access by name failed: `code` says why."""
+class EndatSetup(NamedTuple):
+    """What the controller has read of an ENDAT encoder: version 21 or 22, bits of the position word, rotary or linear,
+    steps per revolution or measuring step, nm."""
 
-    def __init__(self, name: str, code: int) -> None:
-        super().__init__(f"{name}: {REASONS.get(code, f'return code {code:#x}')}")
-        self.code = code
-
-
-REASONS: dict[int, str] = {
-    Code.UNKNOWN: "return code 1: the board has no such resource, or not in this direction",
-    Code.BUSY: "return code 2: not ready, repeat the access",
-    Code.HARDWARE: "return code 8: the hardware cannot do it",
-    Code.STATE_ERR: "return code 80 hex: not in this state, or an index or value out of range; nothing was changed",
-}
-
-
-@dataclass(slots=True)
-class ObjectDescriptor:
-    """A resource and a direction (2.1). `handle` is 0 before the first access and must be set to 0 after a boot and
-    after clear; the accesses keep it."""
-
-    device: int
-    index: int = 0
-    sub_index: int = 0
-    type: DataType = DataType.INTEGER
-    access: int = READ
-    bus: int = BUS
-    handle: int = 0
-
-    def row(self) -> tuple[int, int, int, int, int, int, int]:
-        return (self.handle, self.bus, self.device, self.index, self.sub_index, int(self.type), self.access)
+    version: int
+    bits: int
+    rotary: bool
+    steps: int
 
 
 class HostMemory:
-    """Memory of the PC that the controller reaches as bus master; `phys_adr` is its physical address."""
+    """Memory of the PC that the controller reaches as bus master; `phys_adr` is its physical address, `size` bytes."""
 
-    def __init__(self, emulator: native.Mcu, size: int) -> None:
-        self._emulator, self.size = emulator, size
-        self.phys_adr: int = emulator.alloc_phys_mem(size)
+    def __init__(self, emulator: native.Mcu, phys_adr: int, size: int) -> None:
+        self._emulator, self.phys_adr, self.size = emulator, phys_adr, size
 
     def __getitem__(self, key: slice) -> bytes:
         start, stop, _ = key.indices(self.size)
@@ -96,55 +82,18 @@ class HostMemory:
         return self._emulator.free_phys_mem(self.phys_adr)
 
 
-@dataclass(frozen=True, slots=True)
-class _Device:
-    first: int
-    last: int
-    name: str
-    type: DataType
-    readable: bool
-    writable: bool
-    index_is_axis: bool
-    sub_is_axis: bool
-    function: int | None  # Index of one of several functions of the same number
-
-
-def _devices() -> dict[str, _Device]:
-    devices = {}
-    for first, last, manual, kind, *flags, function in native.resource_devices():
-        name = re.sub(r"\W", "", manual)
-        readable, writable, index_is_axis, sub_is_axis = map(bool, flags)
-        devices[name] = _Device(
-            first, last, name, DataType(kind), readable, writable, index_is_axis, sub_is_axis, function
-        )
-    return devices
-
-
-DEVICES = _devices()
-"""All devices by name: the manual's, without blanks and brackets (DTV0, PositionFactor, MCPOFFSET)."""
-
-
 class Resource:
     """A device of the table: `[index]` or `[index, sub-index]`, `cp` with `[axis, line, column]`,
     functions of SyncMode with `[slave]`. Axes by name or
     index. ResourceError unless the return code is OK."""
 
-    def __init__(self, resources: Resources, device: _Device) -> None:
+    def __init__(self, resources: Resources, device: Device) -> None:
         self._resources, self._device = resources, device
 
     def descriptor(self, key: AxisId | Sequence[AxisId], access: int = READ) -> ObjectDescriptor:
         """A new descriptor of it."""
         parts = [key] if isinstance(key, str | int) else list(key)
-        device = self._device
-        if device.function is not None:
-            parts.insert(0, device.function)
-        number = device.first + (_whole(parts.pop()) if device.first == CP and len(parts) == 3 else 0)
-        if len(parts) > 2 or not device.first <= number <= device.last:
-            raise IndexError(f"{device.name}{list(parts)}: {device.name} has no such index")
-        axes = (device.index_is_axis, device.sub_is_axis)
-        numbers = [self._resources.number(part, axis) for part, axis in zip(parts, axes, strict=False)]
-        index, sub_index = [*numbers, 0, 0][:2]
-        return ObjectDescriptor(number, index, sub_index, device.type, access)
+        return self._device.descriptor(parts, self._resources.axis_number, access)
 
     def __getitem__(self, key: AxisId | tuple[AxisId, ...]) -> float:
         descriptor = self.descriptor(key)
@@ -163,7 +112,7 @@ class Resource:
         if descriptor.type is DataType.DOUBLE:
             return self._check(self._resources.wroptiondbl(descriptor, value))
         single = descriptor.type is DataType.FLOAT
-        bits = struct.unpack("<i", struct.pack("<f", value))[0] if single else _whole(value)
+        bits = struct.unpack("<i", struct.pack("<f", value))[0] if single else whole(value)
         self._check(self._resources.wroptionint(descriptor, bits))
 
     def _check(self, code: int) -> None:
@@ -178,9 +127,10 @@ class Resources:
         self._driver = driver
 
     def __getattr__(self, name: str) -> Resource:
-        if name not in DEVICES:
-            raise AttributeError(f"there is no resource {name}")
-        return Resource(self, DEVICES[name])
+        try:
+            return Resource(self, device_named(name))
+        except ValueError as error:
+            raise AttributeError(str(error)) from None
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *DEVICES]
@@ -224,20 +174,59 @@ class Resources:
 
     def allocphysmem(self, size: int) -> HostMemory:
         """allocPhysMem: memory of the PC. MemoryError where there is none."""
-        return HostMemory(self._emulator, size)
+        return HostMemory(self._emulator, self._emulator.alloc_phys_mem(size), size)
 
-    def fit_endat(self, axis: AxisId, mt: int, bits: int = 25) -> None:
-        """The axis gets an ENDAT encoder with that many position bits (1 to 32), if its environment variable MT is 11
-        (version 2.1) or 16 (2.2); with any other none. Option ENDAT is needed besides."""
-        self._emulator.fit_endat(self._driver.axis_number(axis), mt, bits)
+    def lendphysmem(self, buffer: Buffer) -> HostMemory:
+        """The same with memory of the caller, used as it is without a copy: a NumPy array, bytearray, ctypes array or
+        any other writable, contiguous buffer. It is kept alive until `free`. ValueError for other buffers."""
+        try:
+            view = np.frombuffer(memoryview(buffer), np.uint8)
+        except (ValueError, BufferError) as error:
+            raise ValueError(f"host memory must be a contiguous buffer that is not empty: {error}") from None
+        return HostMemory(self._emulator, self._emulator.lend_phys_mem(view), view.size)
+
+    # ---- the scanner
+
+    def scan(self, resources: Iterable[Scannable]) -> None:
+        """Records these resources from the next sample on, at the end of every sample: names as `dp.X`, `cp.X.3.0`,
+        `CI.12`, `scntr`, or descriptors that were read before. An empty list ends it. Columns: `scanned`. ValueError
+        for what is no resource, ResourceError for what cannot be scanned; then nothing changes."""
+        scanner.start(self._emulator, resources, self._driver.machine.axis_names)
+
+    @property
+    def scanned(self) -> dict[str, NDArray[Any]]:
+        """Columns of the last `advance` by name: a value a sample, NaN where a resource was BUSY. A data block is a
+        structured array with count, status, positions (rows, columns) and, with analog inputs, analog (rows, 8)."""
+        return scanner.scanned(self._driver.trace)
+
+    def datablock(self, axes: Sequence[AxisId], rows: int, *, analog: bool = False) -> ObjectDescriptor:
+        """Descriptor of RTS_DATABLOCK (7.4), or of RTS_DATAANALOGBLOCK, with a column for each axis and at most so many
+        rows a sample. To be read once before it is scanned."""
+        return scanner.data_block([self.axis_number(axis) for axis in axes], rows, analog)
+
+    # ---- ENDAT encoders
+
+    def fit_endat(self, axis: AxisId, bits: int = 25, *, rotary: bool = True, steps: int | None = None) -> None:
+        """The axis gets an ENDAT encoder with that many position bits (1 to 32; 0 takes it away), and steps per
+        revolution (2**bits), or a measuring step in nm if it is linear. The controller knows it after `rs` or a
+        boot, if the environment variable of the axis (MT0, MT1 ...) is 11 (version 2.1) or 16 (2.2), and with
+        option ENDAT."""
+        self._emulator.fit_endat(
+            self.axis_number(axis), bits, rotary, steps if steps is not None else (1 << bits) % (1 << 32)
+        )
+
+    def endat_setup(self, axis: AxisId) -> EndatSetup | None:
+        """How boot or `rs` set the axis up from the data of its encoder (6.2); None: no encoder that answers."""
+        setup = self._emulator.endat_setup(self.axis_number(axis))
+        return EndatSetup(*setup) if setup else None
 
     def disturb_endat(self, axis: AxisId, *, alarm: bool = False, crc_errors: int = 0, timeouts: int = 0) -> None:
         """The encoder signals an alarm or not; so many of its next transfers fail. ValueError without an encoder."""
-        self._emulator.disturb_endat(self._driver.axis_number(axis), alarm, crc_errors, timeouts)
+        self._emulator.disturb_endat(self.axis_number(axis), alarm, crc_errors, timeouts)
 
     def endat_resets(self, axis: AxisId) -> int:
         """Resets that the encoder has received."""
-        return self._emulator.endat_resets(self._driver.axis_number(axis))
+        return self._emulator.endat_resets(self.axis_number(axis))
 
     def set_analog_input(self, channel: int, digits: int) -> None:
         """Level of an analog input (0 to 7), 32767 = 10 V."""
@@ -253,21 +242,13 @@ class Resources:
         """What FASTPULSEOUT wrote, a bit for each axis."""
         return self._emulator.fast_outputs()
 
-    def number(self, part: AxisId, is_axis: bool) -> int:
-        """Index of an axis, or the number itself."""
-        if isinstance(part, str) and is_axis:
-            return self._driver.axis_number(part)
-        return _whole(part)
+    def axis_number(self, axis: AxisId) -> int:
+        """Index of an axis."""
+        return self._driver.axis_number(axis)
 
     @property
     def _emulator(self) -> native.Mcu:
         return self._driver.emulator
-
-
-def _whole(value: float | str) -> int:
-    if isinstance(value, str) or value != int(value):
-        raise ValueError(f"{value!r}: must be a whole number")
-    return int(value)
 
 
 class ResourceAccess(Driver):
@@ -277,6 +258,12 @@ class ResourceAccess(Driver):
     def resources(self) -> Resources:
         """The resource interface of the selected card."""
         return Resources(self)
+
+    @property
+    def gcode_machine(self) -> Machine:
+        """The machine as part programs find it now: G54 to G59 are RefOffset 0 to 5, axes with Mirror go by
+        PositionFactor (resources 16 to 18). For `gcode.compile`, whose programs run on this controller."""
+        return Machine(self._mcu.gcode_machine())
 
     @property
     def emulator(self) -> native.Mcu:

@@ -56,6 +56,7 @@ class System(Loops):
         card.trace = None
         status = _check_elf(os.fspath(filename))
         if status == 0:
+            card.read_environment()
             card.emulator.reboot()
             card.booted = True
         return status

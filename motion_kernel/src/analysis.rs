@@ -76,11 +76,12 @@ impl Mcu {
     pub fn analysis(&self) -> &Analysis {
         &self.analysis
     }
-    /// At the end of a sample.
+    /// Behind a sample.
     #[cold]
     pub(crate) fn record_analysis(&mut self) {
         let analysis = &mut self.analysis;
-        let due = self.sample.checked_sub(analysis.first_sample).is_some_and(|since| since % analysis.every == 0);
+        let sample = self.sample - 1; // the one that has just ended
+        let due = sample.checked_sub(analysis.first_sample).is_some_and(|since| since % analysis.every == 0);
         if !due {
             return;
         }

@@ -3,6 +3,7 @@
 
 use crate::axes::AxisSet;
 use crate::mcu::Mcu;
+use crate::trace::Trace;
 
 /// Axes and features that want to be looked after in every sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,6 +23,10 @@ pub(crate) struct Attention {
     pub slaves: AxisSet,
     /// lpr and lprs.
     pub recording: bool,
+    /// The scanner.
+    pub scanning: bool,
+    /// Pulses on strobe inputs, or DMA-RTS.
+    pub strobes: bool,
     pub stimulus: bool,
 }
 
@@ -38,6 +43,9 @@ impl Mcu {
         if self.attention.stimulus {
             self.play_stimulus();
         }
+        if self.attention.strobes {
+            self.play_strobes();
+        }
         for a in self.attention.index.iter() {
             self.watch_index(a);
         }
@@ -52,6 +60,17 @@ impl Mcu {
         }
         for a in self.attention.backlash.iter() {
             self.compensate_backlash(a);
+        }
+    }
+
+    /// Behind a sample: who records it besides the trace.
+    #[cold]
+    pub(crate) fn look_back(&mut self, trace: &mut Trace) {
+        if self.attention.recording {
+            self.record_analysis();
+        }
+        if self.attention.scanning {
+            self.scan_sample(trace);
         }
     }
 }

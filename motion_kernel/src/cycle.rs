@@ -44,11 +44,11 @@ impl Mcu {
             self.follow_masters();
         }
         self.close_sample();
-        if self.attention.recording {
-            self.record_analysis();
-        }
         self.record(trace);
         self.sample += 1;
+        if self.attending {
+            self.look_back(trace);
+        }
     }
 
     /// The profile clock of an axis runs on by one sample; what is left of it flows into the next entry.

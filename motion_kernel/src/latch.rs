@@ -18,8 +18,8 @@ enum By {
 }
 
 /// Index of the digital input that latches axis 0 in real time; those of axes 1 and 2 follow.
-const FIRST_STROBE: usize = 13;
-const STROBES: usize = 3;
+pub(crate) const FIRST_STROBE: usize = 13;
+pub(crate) const STROBES: usize = 3;
 
 /// Signals, latches and compensation of one axis.
 #[derive(Clone, Copy, Debug, Default)]
@@ -174,9 +174,19 @@ impl Mcu {
                 self.set_status(a, Axst::lpsf, true);
             }
             if a < STROBES && risen >> (FIRST_STROBE + a) & 1 == 1 {
-                self.latch(a, By::Strobe, self.loops[a].rp_at(fraction));
-                self.signals[a].digi.set(Digi::strobe);
+                self.strobe(a, fraction);
             }
+        }
+    }
+    /// The strobe of an axis at this fraction of the last sample.
+    pub(crate) fn strobe(&mut self, a: usize, fraction: f64) {
+        if a >= self.axes.len() {
+            return;
+        }
+        self.latch(a, By::Strobe, self.counts_at(a, fraction) as f64 * self.loops[a].unit_per_count);
+        self.signals[a].digi.set(Digi::strobe);
+        if a == 0 {
+            self.record_strobe(fraction);
         }
     }
 

@@ -44,6 +44,7 @@ pub mod sap;
 pub mod spooler;
 pub mod status;
 pub mod stimulus;
+mod strobes;
 pub mod tasks;
 pub mod trace;
 pub mod trajectory;

@@ -137,6 +137,7 @@ pub struct Mcu {
     pub(crate) attention: Attention,
     pub(crate) attending: bool,
     pub(crate) player: Player,
+    pub(crate) strobes: crate::strobes::Strobes,
     pub(crate) analysis: Analysis,
     pub(crate) resources: crate::resources::Resources,
     /// Status bits that end a job.
@@ -199,6 +200,7 @@ impl Mcu {
             attention: Attention::default(),
             attending: false,
             player: Player::default(),
+            strobes: crate::strobes::Strobes::default(),
             analysis: Analysis::for_axes(machine.axes.len()),
             resources: crate::resources::Resources::of(&machine),
             stop_at: Axst(0),
@@ -251,6 +253,7 @@ impl Mcu {
         std::mem::swap(&mut fresh.hardware, &mut self.hardware);
         fresh.io.keep_outside(&self.io);
         fresh.resources.keep_outside(&mut self.resources);
+        fresh.set_up_endat();
         fresh.digi = fresh.io.active_inputs();
         fresh.card.axes.resize_with(fresh.axes.len(), Default::default);
         if fresh.axes.len() == self.axes.len() {
@@ -269,6 +272,7 @@ impl Mcu {
         std::mem::swap(&mut fresh.hardware, &mut self.hardware);
         fresh.io.keep_outside(&self.io);
         fresh.resources.keep_outside(&mut self.resources);
+        fresh.set_up_endat();
         fresh.boot_interface();
         fresh.digi = fresh.io.active_inputs();
         fresh.card.epc = self.card.epc;
@@ -300,8 +304,7 @@ impl Mcu {
     /// Lets up to `samples` sample intervals pass and records them in `trace` (emptied first). Comes back
     /// earlier when there is something to say, see [`Stop`].
     pub fn advance(&mut self, samples: u64, trace: &mut Trace) -> Advanced {
-        trace.axes = self.axes.len();
-        trace.restart(self.sample);
+        self.begin_trace(trace);
         trace.reserve(samples.min(1 << 20) as usize);
         for done in 0..samples {
             if let Some(stop) = self.reason_to_stop() {
@@ -312,10 +315,16 @@ impl Mcu {
         Advanced { samples, stop: self.reason_to_stop().unwrap_or(Stop::Budget) }
     }
 
-    /// As [`Mcu::advance`], but all samples pass, whatever happens.
-    pub fn pass(&mut self, samples: u64, trace: &mut Trace) {
+    /// Empties a trace and makes it fit: its first row is that of the next sample.
+    pub fn begin_trace(&self, trace: &mut Trace) {
         trace.axes = self.axes.len();
         trace.restart(self.sample);
+        trace.scan.restart(&self.resources.scanner);
+    }
+
+    /// As [`Mcu::advance`], but all samples pass, whatever happens.
+    pub fn pass(&mut self, samples: u64, trace: &mut Trace) {
+        self.begin_trace(trace);
         trace.reserve(samples.min(1 << 20) as usize);
         for _ in 0..samples {
             self.step(trace);
@@ -323,7 +332,7 @@ impl Mcu {
     }
 
     /// Goes on with a recording: up to `samples` sample intervals, whatever happens; comes back behind one in which the
-    /// interrupt of the PC was raised. Returns how many passed. `trace` begins with [`Trace::restart`].
+    /// interrupt of the PC was raised. Returns how many passed. `trace` begins with [`Mcu::begin_trace`].
     pub fn pass_to_interrupt(&mut self, samples: u64, trace: &mut Trace) -> u64 {
         let interrupts = self.card.interrupts();
         trace.reserve(samples.min(1 << 20) as usize);

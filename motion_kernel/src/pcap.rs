@@ -153,6 +153,7 @@ impl Mcu {
         }
         self.reset_outputs();
         self.check_configuration();
+        self.set_up_endat();
     }
 
     /// Marks axes as referenced at their present position (shp; coordinates stay).

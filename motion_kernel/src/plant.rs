@@ -174,6 +174,15 @@ impl ServoPlant {
     pub fn counts(&self) -> i64 {
         whole(self.motor * self.counts_per_unit)
     }
+    /// What the encoder says at a fraction of the sample that begins here, at a motor command in digits.
+    pub(crate) fn counts_at(mut self, digits: f64, fraction: f64) -> i64 {
+        if fraction > 0.0 {
+            self.ta_s *= fraction;
+            self.decay = if self.lag_s > 0.0 { (-self.ta_s / self.lag_s).exp() } else { 0.0 };
+            self.step(digits);
+        }
+        self.counts()
+    }
     /// Speed of the motor, axis units/s.
     pub fn velocity(&self) -> f64 {
         self.velocity

@@ -203,10 +203,10 @@ impl PositionLoop {
         self.encoder_origin = self.encoder_origin.saturating_sub(counts);
         self.special.simulated_counts = self.special.simulated_counts.saturating_add(counts);
     }
-    /// Where the axis was at a fraction of the last sample, axis units, in whole counts.
-    pub(crate) fn rp_at(&self, fraction: f64) -> f64 {
+    /// Counts at a fraction of the last sample, between those at its begin and end.
+    pub(crate) fn counts_between(&self, fraction: f64) -> i64 {
         let way = (self.counts.saturating_sub(self.counts_before)) as f64;
-        self.counts_before.saturating_add(whole(way * fraction)) as f64 * self.unit_per_count
+        self.counts_before.saturating_add(whole(way * fraction))
     }
     /// Coordinate of a place on the scale of the machine.
     pub(crate) fn coordinate_of(&self, machine_counts: i64) -> f64 {

@@ -1,5 +1,7 @@
 //! What is recorded per sample: columns, allocated once, filled without allocation.
 
+use crate::resources::Scan;
+
 /// Bits of [`Trace::flags`].
 pub mod flag {
     pub const MOVING: u32 = 1;
@@ -34,6 +36,8 @@ pub struct Trace {
     pub factor: Vec<f64>,
     /// Bits of [`flag`], and the cause that limits the path velocity.
     pub flags: Vec<u32>,
+    /// Rows of the scanner; empty without one.
+    pub scan: Scan,
 }
 
 impl Trace {
@@ -50,6 +54,7 @@ impl Trace {
             v_plan: Vec::with_capacity(samples),
             factor: Vec::with_capacity(samples),
             flags: Vec::with_capacity(samples),
+            scan: Scan::default(),
         }
     }
     /// Samples recorded.
@@ -80,6 +85,7 @@ impl Trace {
         for column in [&mut self.line, &mut self.entry, &mut self.flags] {
             column.reserve(samples.saturating_sub(column.len()));
         }
+        self.scan.reserve(samples);
     }
 }
 

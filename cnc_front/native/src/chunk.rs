@@ -1,6 +1,7 @@
 //! Samples as NumPy columns: the vectors of the trace move into the arrays, nothing is copied.
 
 use motion_kernel::Stop;
+use motion_kernel::resources::Scan;
 use motion_kernel::trace::Trace;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -21,12 +22,20 @@ pub struct Chunk {
     pub v_plan: Py<PyArray1<f64>>,
     pub factor: Py<PyArray1<f64>>,
     pub flags: Py<PyArray1<u32>>,
+    /// Rows of the scanner: a column for each of `scan_names` in order, and of each data block its bytes; empty without.
+    pub scan: Py<PyArray2<f64>>,
+    pub scan_names: Vec<String>,
+    pub scan_blocks: Py<PyArray2<u8>>,
+    /// Name, columns, rows and whether analog values follow, of each data block.
+    pub scan_layout: Vec<(String, usize, usize, bool)>,
 }
 
 impl Chunk {
     pub fn new(py: Python<'_>, trace: Trace, stop: Stop) -> PyResult<Chunk> {
         let (samples, axes) = (trace.len(), trace.axes);
         let matrix = |column: Vec<f64>| column.into_pyarray(py).reshape([samples, axes]).map(Bound::unbind);
+        let Scan { layout, values, blocks } = trace.scan;
+        let bytes = layout.blocks.iter().map(|(_, block)| block.bytes()).sum();
         let (stop, stop_value) = match stop {
             Stop::Budget => ("budget", 0),
             Stop::Finished => ("finished", 0),
@@ -48,6 +57,10 @@ impl Chunk {
             v_plan: trace.v_plan.into_pyarray(py).unbind(),
             factor: trace.factor.into_pyarray(py).unbind(),
             flags: trace.flags.into_pyarray(py).unbind(),
+            scan: values.into_pyarray(py).reshape([samples, layout.names.len()])?.unbind(),
+            scan_names: layout.names.clone(),
+            scan_blocks: blocks.into_pyarray(py).reshape::<_>([samples, bytes])?.unbind(),
+            scan_layout: layout.blocks.iter().map(|(name, b)| (name.clone(), b.columns, b.rows, b.analog)).collect(),
         })
     }
 }

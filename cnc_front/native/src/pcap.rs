@@ -17,8 +17,7 @@ use crate::machine::Machine;
 impl Mcu {
     /// Forgets what was recorded; `pass_on` goes on from here.
     fn begin_recording(&mut self) {
-        self.recording.axes = self.kernel.machine().axes.len();
-        self.recording.restart(self.kernel.samples());
+        self.kernel.begin_trace(&mut self.recording);
     }
     /// Lets sample intervals pass, whatever happens in them; comes back earlier behind one that raised the interrupt of
     /// the PC. Returns how many passed.

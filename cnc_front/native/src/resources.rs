@@ -1,12 +1,15 @@
 //! The resource interface: descriptors as tuples, the table, the board and the memory of the host.
 
 use motion_kernel::registers::Options;
-use motion_kernel::resources::{Code, DEVICES, Device, Endat, ObjectDescriptor, Range};
+use motion_kernel::resources::{CallerMemory, Code, DEVICES, Device, Endat, EndatSetup, ObjectDescriptor, Range};
+use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::kernel::Mcu;
+use crate::machine::Machine;
+use std::sync::Arc;
 
 /// handle, bus, device, index, sub-index, data type, access
 type Descriptor = (i32, i32, i32, i32, i32, i32, i32);
@@ -69,19 +72,54 @@ impl Mcu {
         self.kernel.resources_mut().memory.free(base)
     }
     fn read_host<'py>(&mut self, py: Python<'py>, address: u64, size: usize) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = self.kernel.resources_mut().memory.at(address, size);
-        bytes.map(|bytes| PyBytes::new(py, bytes)).ok_or_else(outside)
+        let mut bytes = vec![0; size.min(1 << 28)];
+        let found = self.kernel.resources().memory.read(address, &mut bytes) && bytes.len() == size;
+        if found { Ok(PyBytes::new(py, &bytes)) } else { Err(outside()) }
     }
     fn write_host(&mut self, address: u64, bytes: &[u8]) -> PyResult<()> {
-        let place = self.kernel.resources_mut().memory.at(address, bytes.len());
-        place.map(|place| place.copy_from_slice(bytes)).ok_or_else(outside)
+        if self.kernel.resources_mut().memory.write(address, bytes) { Ok(()) } else { Err(outside()) }
     }
-    /// An axis gets an ENDAT encoder by its environment variable MT (11: version 2.1, 16: 2.2; any other: none).
-    fn fit_endat(&mut self, axis: usize, mt: u32, bits: u32) -> PyResult<()> {
+    /// Physical address of memory of the caller, which is kept alive until it is freed.
+    fn lend_phys_mem(&mut self, memory: &Bound<'_, PyArray1<u8>>) -> PyResult<u32> {
+        if memory.try_readwrite().is_err() || !memory.is_contiguous() {
+            return Err(PyValueError::new_err("the memory is read-only or in use elsewhere"));
+        }
+        let size = memory.len();
+        let lent = Box::new(Lent { array: memory.clone().unbind(), size });
+        let base = self.kernel.resources_mut().memory.lend(lent);
+        base.ok_or_else(|| PyMemoryError::new_err(format!("{size} bytes cannot be lent as host memory")))
+    }
+    /// An axis gets an ENDAT encoder with position bits, and steps per revolution or a measuring step in nm; 0 bits: none.
+    fn fit_endat(&mut self, axis: usize, bits: u32, rotary: bool, steps: u32) -> PyResult<()> {
         self.check(axis)?;
-        let encoder = Endat::new(bits).ok_or_else(|| PyValueError::new_err("1 to 32 position bits"))?;
-        self.kernel.resources_mut().axes[axis].endat = matches!(mt, 11 | 16).then_some(encoder);
+        let encoder = Endat::new(bits, rotary, steps);
+        if encoder.is_none() && bits != 0 {
+            return Err(PyValueError::new_err(format!("{bits} position bits: an encoder has 1 to 32")));
+        }
+        self.kernel.resources_mut().axes[axis].endat = encoder;
         Ok(())
+    }
+    /// Environment variables MT of the axes, for the next boot or rs.
+    fn set_endat_environment(&mut self, mt: Vec<u32>) {
+        for (axis, mt) in self.kernel.resources_mut().axes.iter_mut().zip(mt) {
+            axis.mt = mt;
+        }
+    }
+    /// Version (21, 22), position bits, rotary, steps: how boot or rs set the axis up; None without.
+    fn endat_setup(&self, axis: usize) -> PyResult<Option<(u32, u32, bool, u32)>> {
+        self.check(axis)?;
+        let setup = self.kernel.resources().axes[axis].endat.as_ref().and_then(|encoder| encoder.setup);
+        Ok(setup.map(|EndatSetup { version, bits, rotary, steps }| (version, bits, rotary, steps)))
+    }
+    /// Scans these resources, by name, from the next sample on. What cannot be scanned comes back as its position and
+    /// return code.
+    fn scan(&mut self, resources: Vec<(String, Descriptor)>) -> Option<(usize, i32)> {
+        let resources: Vec<_> = resources.into_iter().map(|(name, d)| (name, descriptor(d))).collect();
+        self.kernel.scan(&resources).err().map(|(n, code)| (n, code as i32))
+    }
+    /// The machine as part programs find it now (resources 16 to 18).
+    fn gcode_machine(&self) -> Machine {
+        Machine { inner: Arc::new(self.kernel.gcode_machine()) }
     }
     /// The encoder signals an alarm or not; so many of its next transfers fail.
     fn disturb_endat(&mut self, axis: usize, alarm: bool, crc_errors: u32, timeouts: u32) -> PyResult<()> {
@@ -108,6 +146,33 @@ impl Mcu {
     }
     fn fast_outputs(&self) -> u16 {
         self.kernel.resources().fast
+    }
+}
+
+/// Memory of Python, held by a reference. Every access asks NumPy, so nothing else writes meanwhile.
+#[derive(Debug)]
+struct Lent {
+    array: Py<PyArray1<u8>>,
+    size: usize,
+}
+
+impl CallerMemory for Lent {
+    fn size(&self) -> usize {
+        self.size
+    }
+    fn read(&self, from: usize, bytes: &mut [u8]) -> bool {
+        Python::attach(|py| {
+            let Ok(array) = self.array.bind(py).try_readonly() else { return false };
+            let place = array.as_slice().ok().and_then(|all| all.get(from..from + bytes.len()));
+            place.map(|place| bytes.copy_from_slice(place)).is_some()
+        })
+    }
+    fn write(&mut self, from: usize, bytes: &[u8]) -> bool {
+        Python::attach(|py| {
+            let Ok(mut array) = self.array.bind(py).try_readwrite() else { return false };
+            let place = array.as_slice_mut().ok().and_then(|all| all.get_mut(from..from + bytes.len()));
+            place.map(|place| place.copy_from_slice(bytes)).is_some()
+        })
     }
 }
 

@@ -64,30 +64,34 @@ fn slot(mcu: &mut Mcu, place: Place) -> &mut Option<u32> {
     if place.device < ISIS { &mut mcu.resources.bases[place.sub] } else { &mut mcu.resources.axes[place.sub].isis_base }
 }
 
-/// The bytes that an access means; an address that no allocated block holds is refused.
-fn bytes<const N: usize>(mcu: &mut Mcu, place: Place) -> Result<&mut [u8; N], Code> {
-    let base = (*slot(mcu, place)).ok_or(Code::State)?;
-    let found = mcu.resources.memory.at(u64::from(base) + place.index as u64, N);
-    found.and_then(|bytes| bytes.try_into().ok()).ok_or(Code::State)
+/// Address of an access.
+fn address(mcu: &mut Mcu, place: Place) -> Result<u64, Code> {
+    Ok(u64::from((*slot(mcu, place)).ok_or(Code::State)?) + place.index as u64)
+}
+/// The bytes at an address; one that no block of host memory holds is refused.
+fn bytes<const N: usize>(mcu: &mut Mcu, place: Place) -> Result<[u8; N], Code> {
+    let (address, mut bytes) = (address(mcu, place)?, [0; N]);
+    done(mcu.resources.memory.read(address, &mut bytes)).map(|()| bytes)
 }
 
 fn read(mcu: &mut Mcu, place: Place) -> Result<f64, Code> {
     Ok(match place.device % 10 {
         1 => f64::from(bytes::<1>(mcu, place)?[0]),
-        2 => f64::from(u16::from_le_bytes(*bytes(mcu, place)?)),
-        4 => f64::from(i32::from_le_bytes(*bytes(mcu, place)?)),
-        5 => f64::from(f32::from_le_bytes(*bytes(mcu, place)?)),
-        _ => f64::from_le_bytes(*bytes(mcu, place)?),
+        2 => f64::from(u16::from_le_bytes(bytes(mcu, place)?)),
+        4 => f64::from(i32::from_le_bytes(bytes(mcu, place)?)),
+        5 => f64::from(f32::from_le_bytes(bytes(mcu, place)?)),
+        _ => f64::from_le_bytes(bytes(mcu, place)?),
     })
 }
 
 fn write(mcu: &mut Mcu, place: Place, value: f64) -> Result<(), Code> {
-    match place.device % 10 {
-        1 => *bytes(mcu, place)? = (value as i32 as u8).to_le_bytes(),
-        2 => *bytes(mcu, place)? = (value as i32 as u16).to_le_bytes(),
-        4 => *bytes(mcu, place)? = (value as i32).to_le_bytes(),
-        5 => *bytes(mcu, place)? = (value as f32).to_le_bytes(),
-        _ => *bytes(mcu, place)? = value.to_le_bytes(),
-    }
-    Ok(())
+    let address = address(mcu, place)?;
+    let memory = &mut mcu.resources.memory;
+    done(match place.device % 10 {
+        1 => memory.write(address, &[value as i32 as u8]),
+        2 => memory.write(address, &(value as i32 as u16).to_le_bytes()),
+        4 => memory.write(address, &(value as i32).to_le_bytes()),
+        5 => memory.write(address, &(value as f32).to_le_bytes()),
+        _ => memory.write(address, &value.to_le_bytes()),
+    })
 }

@@ -9,16 +9,21 @@ mod endat;
 mod gear;
 mod memory;
 mod memory_devices;
+mod rts;
+mod scan;
 mod state;
 mod sync;
 mod table;
 
-pub use endat::Endat;
-pub use memory::HostMemory;
+pub use endat::{Endat, EndatSetup};
+pub use memory::{CallerMemory, HostMemory};
+pub use rts::{Block, OVERFLOW};
+pub use scan::{Layout, Scan};
 pub use state::{AxisResources, Options, Resources};
 pub use sync::Sync;
 pub use table::{DEVICES, Device, Place, Range};
 
+use crate::machine::Machine;
 use crate::mcu::Mcu;
 
 /// BusNumber of every resource.
@@ -148,6 +153,17 @@ impl Mcu {
         }
         let place = Place { device: d.device, index: d.index as u32 as usize, sub: d.sub_index as u32 as usize };
         Ok((device, place))
+    }
+
+    /// The machine as part programs find it now: G54 to G59 are RefOffset 0 to 5, mirrored axes go by PositionFactor
+    /// (resources 16 to 18).
+    pub fn gcode_machine(&self) -> Machine {
+        let mut machine = (*self.machine).clone();
+        let axes = &self.resources.axes;
+        machine.gcode.offsets = std::array::from_fn(|set| axes.iter().map(|axis| axis.ref_offset[set]).collect());
+        machine.gcode.position_factors =
+            axes.iter().map(|axis| if axis.mirror { axis.position_factor } else { 1.0 }).collect();
+        machine
     }
 
     /// The state of the resource interface.

@@ -21,8 +21,9 @@ pub struct AxisResources {
     pub followed: f64,
     /// The axis as the slave of SyncMode.
     pub sync: super::Sync,
-    /// Its ENDAT encoder.
+    /// Its ENDAT encoder, and its environment variable MT: 11 for version 2.1, 16 for 2.2.
     pub endat: Option<super::Endat>,
+    pub mt: u32,
     /// Base address and factors of Isis and RayDex (310, 320, 321).
     pub isis_base: Option<u32>,
     pub isis_frequency: i32,
@@ -30,7 +31,7 @@ pub struct AxisResources {
 }
 
 /// State of the resource interface.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Resources {
     pub options: Options,
     /// Resources in the order of their handles, the first has handle 1.
@@ -44,23 +45,31 @@ pub struct Resources {
     /// Base addresses of host memory.
     pub bases: [Option<u32>; 8],
     pub memory: HostMemory,
+    /// The DMA latch.
+    pub rts: super::rts::Rts,
+    pub(crate) scanner: super::scan::Scanner,
 }
 
 impl Resources {
     /// After a boot.
     pub fn of(machine: &Machine) -> Resources {
-        let axes = machine.axes.iter().map(|axis| {
-            let mut ref_offset = [0.0; OFFSETS];
-            ref_offset[..axis.zero_offsets.len()].copy_from_slice(&axis.zero_offsets);
+        let axes = machine.axes.iter().enumerate().map(|(a, axis)| {
+            // one store for azo and for G54 to G59: the axis' own zero offsets where it has them
+            let work = |set: usize| machine.gcode.offsets[set].get(a).copied().unwrap_or(0.0);
+            let own = |set: usize| axis.zero_offsets.get(set).copied().filter(|offset| *offset != 0.0);
+            let ref_offset = std::array::from_fn(|set| own(set).unwrap_or_else(|| work(set)));
+            let factor = machine.gcode.position_factors.get(a).copied().unwrap_or(1.0);
+            let mirror = factor != 1.0;
             let rotary = axis.kind == crate::machine::AxisKind::Rotary;
             AxisResources {
                 ref_offset,
-                mirror: false,
-                position_factor: -1.0,
+                mirror,
+                position_factor: if mirror { factor } else { -1.0 },
                 led: 0.0,
                 followed: 0.0,
                 sync: super::Sync::default(),
                 endat: None,
+                mt: 0,
                 isis_base: None,
                 isis_frequency: 1,
                 isis_norm: if rotary { 4000.0 } else { 20_000.0 },
@@ -75,6 +84,8 @@ impl Resources {
             fast: 0,
             bases: [None; 8],
             memory: HostMemory::default(),
+            rts: super::rts::Rts::default(),
+            scanner: super::scan::Scanner::default(),
         }
     }
     /// What a boot does not change: the board, its inputs, the memory of the host.
@@ -82,7 +93,7 @@ impl Resources {
         (self.options, self.ain) = (before.options, before.ain);
         self.memory = std::mem::take(&mut before.memory);
         for (axis, before) in self.axes.iter_mut().zip(&mut before.axes) {
-            axis.endat = before.endat.take();
+            (axis.endat, axis.mt) = (before.endat.take(), before.mt);
         }
     }
     /// The descriptor is new, or its handle is that of the same resource.

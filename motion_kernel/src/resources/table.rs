@@ -98,7 +98,12 @@ const fn order(number: i32, name: &'static str, index: Range, write: Write) -> D
 
 /// The tables of all rooms.
 pub static DEVICES: &[&[Device]] =
-    &[MOTION, AXIS, CARD, super::memory_devices::DEVICES, super::sync::DEVICES, super::endat::DEVICES];
+    &[MOTION, AXIS, CARD, super::memory_devices::DEVICES, super::sync::DEVICES, super::endat::DEVICES, super::rts::DEVICES];
+
+/// Devices that go to the memory of the host.
+pub(super) fn is_host_memory(number: i32) -> bool {
+    super::memory_devices::DEVICES.iter().any(|d| d.first == number && d.index == Range::Any)
+}
 
 /// The device, or of several functions the one that Index chooses.
 pub(super) fn device(number: i32, index: i32) -> Option<&'static Device> {
@@ -193,7 +198,7 @@ const AXIS: &[Device] = &[
 
 /// The card: inputs and outputs, common variables, tasks.
 const CARD: &[Device] = &[
-    order(0, "clear", Range::Any, |m, _, v| done(v == 1.0).map(|()| m.resources.clear())),
+    order(0, "clear", Range::Any, |m, _, v| done(v == 1.0 && !m.attention.scanning).map(|()| m.resources.clear())),
     integer(4, "digi", Range::Axis, |m, p| word(m.rddigi(p.index))),
     integer(6, "digo", Range::Axis, |m, _| word(m.rddigo())),
     integer(12, "CI", Range::Below(COMMONS), |m, p| Ok(f64::from(m.ci(p.index)))).writing(|m, p, v| {

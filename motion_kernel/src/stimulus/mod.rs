@@ -73,6 +73,11 @@ pub enum Action {
         on: bool,
         bounce_s: f64,
     },
+    /// A strobe input becomes active for an instant, that many times a second.
+    Pulsing {
+        number: u32,
+        hz: f64,
+    },
     Blocked {
         axis: usize,
         on: bool,
@@ -130,6 +135,8 @@ impl Mcu {
     pub(crate) fn keep_stimulus(&mut self, before: &mut Mcu) {
         if self.axes.len() == before.axes.len() {
             std::mem::swap(&mut self.player, &mut before.player);
+            std::mem::swap(&mut self.strobes, &mut before.strobes);
+            self.look_for_strobes();
             self.attend_to(|attention| attention.stimulus = before.attention.stimulus);
         }
     }
@@ -161,6 +168,7 @@ impl Action {
     fn opposite(self) -> Option<Action> {
         match self {
             Action::Input { number, on, bounce_s } => Some(Action::Input { number, on: !on, bounce_s }),
+            Action::Pulsing { number, .. } => Some(Action::Input { number, on: false, bounce_s: 0.0 }),
             Action::Blocked { axis, on } => Some(Action::Blocked { axis, on: !on }),
             Action::EncoderCut { axis, on } => Some(Action::EncoderCut { axis, on: !on }),
             Action::DriveOff { axis, on } => Some(Action::DriveOff { axis, on: !on }),
@@ -171,6 +179,7 @@ impl Action {
     fn told(self) -> (&'static str, bool, i64) {
         match self {
             Action::Input { number, on, .. } => ("input", on, i64::from(number)),
+            Action::Pulsing { number, .. } => ("pulsing", true, i64::from(number)),
             Action::Blocked { on, .. } => ("blocked", on, 0),
             Action::EncoderCut { on, .. } => ("encoder_cut", on, 0),
             Action::DriveOff { on, .. } => ("drive_off", on, 0),

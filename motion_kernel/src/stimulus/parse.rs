@@ -2,6 +2,7 @@
 
 use super::{Action, Compare, Condition, Rule, Stimulus, Trigger};
 use crate::machine::{Machine, MachineDiagnostic, nearest};
+use crate::latch::FIRST_STROBE;
 use crate::mcu::COMMONS;
 
 /// Ids of diagnostics in a stimulus, each with the remedy that is shown where no better hint exists.
@@ -15,14 +16,17 @@ pub const ST_IDS: &[(&str, &str)] = &[
 ];
 
 /// Every word of the language, for the manual page and for hints.
-pub const WORDS: [&str; 25] = [
+pub const WORDS: [&str; 26] = [
     "at", "when", "whenever", "while", "and", "after", "input", "output", "line", "ci", "on", "off", "bouncing",
-    "blocked", "free", "encoder", "cut", "mended", "drive", "pushed", "bus", "error", "supply", "low", "lost",
+    "pulsing", "blocked", "free", "encoder", "cut", "mended", "drive", "pushed", "bus", "error", "supply", "low", "lost",
 ];
 
 const MOST_BYTES: usize = 1 << 20;
 const MOST_RULES: usize = 1000;
 const BIG: f64 = 1e9;
+/// Pulses a second.
+const MIN_HZ: f64 = 1e-3;
+const MOST_HZ: f64 = 1e6;
 
 /// A piece of a line with its columns, counted from 1.
 #[derive(Clone, Copy, Debug)]
@@ -297,9 +301,28 @@ impl<'t> Reader<'_, 't> {
         }
     }
 
+    /// `input 14 pulsing 10 kHz`: pulses are shorter than a sample, so only strobe inputs notice them.
+    fn pulsing(&mut self, at: usize, number: u32) -> Read<Action> {
+        if number <= FIRST_STROBE as u32 {
+            return self.fault(at, "ST104", format!("input {number} is no strobe input (14, 15, 16)"), None);
+        }
+        let at = self.at;
+        let value = self.number(MIN_HZ..=MOST_HZ)?;
+        let hz = if self.either("Hz", "kHz")? { value } else { value * 1e3 };
+        if hz > MOST_HZ {
+            return self.fault(at, "ST104", format!("{hz} Hz is more than {MOST_HZ}"), None);
+        }
+        Ok(Action::Pulsing { number, hz })
+    }
+
     fn action(&mut self) -> Read<Action> {
         if self.skip("input") {
-            let (number, on) = (self.whole(1, 16)?, self.either("on", "off")?);
+            let at = self.at;
+            let number = self.whole(1, 16)?;
+            if self.skip("pulsing") {
+                return self.pulsing(at, number);
+            }
+            let on = self.either("on", "off")?;
             let bounce_s = if self.skip("bouncing") { self.seconds()? } else { 0.0 };
             return Ok(Action::Input { number, on, bounce_s });
         }

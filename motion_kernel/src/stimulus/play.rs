@@ -149,7 +149,9 @@ impl Mcu {
                 let active = samples > 0;
                 bounces[number as usize - 1] = Bounce { until: self.sample + samples, on, active };
                 self.set_input(number, on, fraction);
+                self.pulse(number, 0.0, fraction);
             }
+            Action::Pulsing { number, hz } => self.pulse(number, hz, fraction),
             Action::Blocked { axis, on } => self.block(axis, on),
             Action::EncoderCut { axis, on } => self.cut_encoder(axis, on),
             Action::DriveOff { axis, on } => self.drop_drive(axis, on),
