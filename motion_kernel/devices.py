@@ -126,7 +126,7 @@ DEVICES = _devices()
 def device_named(name: str) -> Device:
     """The device of that name. ValueError with the nearest name."""
     if name not in DEVICES:
-        near = difflib.get_close_matches(name, DEVICES, 1)
+        near = difflib.get_close_matches(name, DEVICES, 1, 0.5)
         raise ValueError(f"there is no resource {name}{f'; did you mean {near[0]}?' if near else ''}")
     return DEVICES[name]
 

@@ -183,6 +183,8 @@ class Resources:
             view = np.frombuffer(memoryview(buffer), np.uint8)
         except (ValueError, BufferError) as error:
             raise ValueError(f"host memory must be a contiguous buffer that is not empty: {error}") from None
+        if view.size == 0:
+            raise ValueError("host memory must be a contiguous buffer that is not empty")
         return HostMemory(self._emulator, self._emulator.lend_phys_mem(view), view.size)
 
     # ---- the scanner

@@ -200,7 +200,7 @@ impl Mcu {
             attention: Attention::default(),
             attending: false,
             player: Player::default(),
-            strobes: crate::strobes::Strobes::default(),
+            strobes: crate::strobes::Strobes::for_axes(machine.axes.len()),
             analysis: Analysis::for_axes(machine.axes.len()),
             resources: crate::resources::Resources::of(&machine),
             stop_at: Axst(0),

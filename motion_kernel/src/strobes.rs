@@ -13,7 +13,7 @@ use crate::position_loop::{Drive, PositionLoop};
 #[derive(Debug, Default)]
 pub(crate) struct Strobes {
     trains: [Option<Train>; STROBES],
-    /// One for each axis; empty while no strobe is looked for.
+    /// One for each axis; empty where they are not known.
     before: Vec<Option<ServoPlant>>,
 }
 
@@ -26,6 +26,12 @@ struct Train {
     count: u64,
 }
 
+impl Strobes {
+    pub fn for_axes(axes: usize) -> Self {
+        Strobes { before: Vec::with_capacity(axes), ..Strobes::default() }
+    }
+}
+
 impl Mcu {
     /// The strobe input of this number (14 to 16) pulses from an instant of the last sample on; 0 Hz ends it.
     pub(crate) fn pulse(&mut self, number: u32, hz: f64, fraction: f64) {
@@ -34,14 +40,18 @@ impl Mcu {
         self.strobes.trains[train] = (hz > 0.0).then_some(Train { start, period, count: 0 });
         self.look_for_strobes();
     }
-    /// Drives are remembered as long as somebody may want to know where they were inside a sample.
+    /// Strobes are played as long as there are any, or somebody waits for one.
     pub(crate) fn look_for_strobes(&mut self) {
         let wanted = self.strobes.trains.iter().any(Option::is_some) || self.resources.rts.is_running();
         self.attend_to(|attention| attention.strobes = wanted);
-        self.strobes.before.clear();
-        if wanted {
-            self.strobes.before.extend(self.loops.iter().map(PositionLoop::servo));
+        if !wanted {
+            self.strobes.before.clear();
         }
+    }
+    /// Between two samples: the drives are as they will be at the begin of the next.
+    pub(crate) fn remember_drives(&mut self) {
+        self.strobes.before.clear();
+        self.strobes.before.extend(self.loops.iter().map(PositionLoop::servo));
     }
     /// At the end of what happened outside in a sample.
     pub(crate) fn play_strobes(&mut self) {
@@ -56,8 +66,7 @@ impl Mcu {
                 self.strobe(n, (at - self.sample as f64).clamp(0.0, 1.0));
             }
         }
-        let Mcu { strobes, loops, .. } = self;
-        strobes.before.iter_mut().zip(loops).for_each(|(before, position_loop)| *before = position_loop.servo());
+        self.remember_drives();
     }
     /// Counts of an axis, in its coordinates, at a fraction of the last sample.
     pub(crate) fn counts_at(&self, axis: usize, fraction: f64) -> i64 {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import sympas
 from motion_kernel import Machine, Mcu
 from motion_kernel.resources import DEVICES, WRITE, Code, ObjectDescriptor
 from tests.conformance.conftest import MILL
@@ -14,7 +15,9 @@ def endat() -> Mcu:
     """mill3 in open loop, X with an encoder of 20 bits."""
     mcu = Mcu(Machine.load(MILL))
     mcu.resources.fit("RESOURCE", "ENDAT")
-    mcu.resources.fit_endat("X", 11, 20)
+    mcu.resources.fit_endat("X", 20)
+    mcu.environment["MT0"] = "11"
+    mcu.rs()
     return mcu
 
 
@@ -39,17 +42,71 @@ def write(mcu: Mcu, device: int, value: int, sub: int = 0) -> int:
     raise AssertionError("busy for ever")
 
 
-@pytest.mark.shows("res.endat.option", "res.endat.versions", "res.dev-3000-3100.group")
+@pytest.mark.shows(
+    "res.endat.option", "res.endat.versions", "res.dev-3000-3100.group", "res.endat.environment", "res.endat.auto-init"
+)
 def test_option_and_encoder(endat: Mcu) -> None:
     assert {d.first for d in DEVICES.values() if 3000 <= d.first <= 3100} == {*range(3000, 3005), *range(3010, 3014)}
-    for mt, known in ((11, True), (16, True), (1, False)):
-        endat.resources.fit_endat("X", mt, 20)
-        assert (read(endat, 3000)[0] == Code.OK) is known
-        assert known or read(endat, 3000)[0] == Code.UNKNOWN
-    endat.resources.fit_endat("X", 11)
+    for mt, version in (("16", 22), ("1", None), ("11", 21), ("", None), ("99999999999", None), ("16", 22)):
+        before = read(endat, 3000)[0]
+        endat.environment["MT0"] = mt
+        assert read(endat, 3000)[0] == before, "the environment counts at the next boot or rs"
+        endat.rs()
+        setup = endat.resources.endat_setup("X")
+        assert (setup.version if setup else None) == version
+        assert read(endat, 3000)[0] == (Code.OK if version else Code.UNKNOWN)
+    assert endat.resources.rdoptionint(ObjectDescriptor(3000, 1))[0] == Code.UNKNOWN
     endat.resources.fit("RESOURCE")
     assert read(endat, 3000)[0] == Code.UNKNOWN
-    assert endat.resources.rdoptionint(ObjectDescriptor(3000, 1))[0] == Code.UNKNOWN
+    endat.rs()
+    assert endat.resources.endat_setup("X") is None
+
+
+@pytest.mark.shows("res.endat.auto-init")
+def test_set_up_from_the_data_of_the_encoder(endat: Mcu) -> None:
+    assert endat.resources.endat_setup("X") == (21, 20, True, 2**20)
+    assert endat.resources.endat_setup("Y") is None
+    endat.shp("X", 0.0)
+    endat.ol(["X"])
+    endat.resources.fit_endat("X", 32, rotary=False, steps=100)
+    assert endat.resources.endat_setup("X") is None, "the new encoder is not known yet"
+    endat.rs()
+    assert endat.resources.endat_setup("X") == (21, 32, False, 100)
+    endat.resources.fit_endat("X", 8, steps=70_000)
+    endat._card.read_environment()
+    endat._card.emulator.reboot()
+    assert endat.resources.endat_setup("X") == (21, 8, True, 70_000)
+    endat.cl(["X"])
+    endat.ja({"X": 3.0})
+    endat.advance(3000)
+    code, word, _ = read(endat, 3000)
+    assert code == Code.OK and word == round(3.0 * endat.rdslsp("X") / endat.rdgf("X")) % 2**8, "8 bits"
+    endat.resources.disturb_endat("X", timeouts=1)
+    endat.rs()
+    assert endat.resources.endat_setup("X") is None and endat.rdifs().bus_error, "it does not answer"
+    endat.rs()
+    assert endat.resources.endat_setup("X") is not None
+    with pytest.raises(ValueError, match="1 to 32"):
+        endat.resources.fit_endat("X", 33)
+
+
+@pytest.mark.shows("res.endat.3013-BUSERR.event", "event.EVENDAT")
+def test_a_transmission_error_raises_the_event(endat: Mcu) -> None:
+    text = "procedure EVENDAT; begin CI0 := CI0 + 1; end;\nbegin enev(EVENDAT); while CI1 = 0 do ; end.\n"
+    endat.load(0, sympas.compile(text, endat.machine))
+    endat.startcnct(0)
+    endat.advance(100)
+    assert endat.rdci(0) == 0
+    endat.resources.disturb_endat("X", crc_errors=1)
+    assert read(endat, 3000)[0] == Code.STATE_ERR
+    endat.advance(100)
+    assert endat.rdci(0) == 1
+    endat.resources.disturb_endat("X", crc_errors=1)
+    assert write(endat, 3013, 0) == Code.OK
+    endat.advance(100)
+    assert read(endat, 3000)[0] == Code.STATE_ERR
+    endat.advance(100)
+    assert endat.rdci(0) == 2
 
 
 @pytest.mark.shows("res.endat.3000-TPV", "res.endat.3000-TPV.duration", "res.endat.busy-is-normal")

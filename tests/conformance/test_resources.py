@@ -431,45 +431,6 @@ def test_controller_parameters(mcu: Mcu) -> None:
     assert mcu.resources.cp["X", 3, 0] == 0.0
 
 
-@pytest.mark.shows(
-    "res.dev-0310.IsisAxisPhysAdr", "res.dev-0311.IsisHostMemByte", "res.dev-0312.IsisHostMemWord",
-    "res.dev-0314.IsisHostMemInt", "res.dev-0315.IsisHostMemFloat", "res.dev-0318.IsisHostMemDouble",
-    "res.dev-0300.HostMemPhysAdr", "res.dev-0300.sets", "res.dev-0301.HostMemByte", "res.dev-0302.HostMemWord",
-    "res.dev-0304.HostMemInt", "res.dev-0305.HostMemFloat", "res.dev-0308.HostMemDouble", "res.hostmem.base-first",
-    "res.hostmem.shared-bytes", "res.hostmem.alloc", "res.hostmem.free",
-)  # fmt: skip
-@pytest.mark.parametrize("prefix", ["HostMem", "IsisHost"])
-def test_host_memory(mcu: Mcu, prefix: str) -> None:
-    r = mcu.resources
-    r.fit("RESOURCE", "PCI", "ISIS")
-    isis = "Mem" if prefix == "IsisHost" else ""
-    base = r.IsisAxisPhysAdr if isis else r.HostMemPhysAdr
-    byte, word, int_, float_, double = (
-        getattr(r, f"{prefix}{isis}{width}") for width in ("Byte", "Word", "Int", "Float", "Double")
-    )
-    with pytest.raises(ResourceError, match="80 hex"):
-        byte[0, 1]
-    one, two = r.allocphysmem(64), r.allocphysmem(64)
-    base[0, 1], base[0, 2] = one.phys_adr, two.phys_adr
-    assert base[0, 1] == one.phys_adr != base[0, 2]
-    int_[4, 1] = -2
-    word[4, 1] = 0x1234
-    assert (byte[4, 1], byte[5, 1], int_[4, 1]) == (0x34, 0x12, 0xFFFF1234 - 2**32)
-    assert one[4:8] == b"\x34\x12\xff\xff" and two[:] == bytes(64)
-    float_[8, 2], double[16, 2], byte[63, 2] = 0.5, -0.1, 200
-    assert two[8:12] == struct.pack("<f", 0.5) and two[16:24] == struct.pack("<d", -0.1) and two[63:] == b"\xc8"
-    two.write(32, struct.pack("<d", 6.25))
-    assert (float_[8, 2], double[16, 2], double[32, 2], byte[63, 2]) == (0.5, -0.1, 6.25, 200)
-    for index in (-1, 61, 64, 2**31 - 1):
-        with pytest.raises(ResourceError, match="80 hex"):
-            int_[index, 1]
-    assert one.free() and not one.free()
-    with pytest.raises(ResourceError, match="80 hex"):
-        byte[0, 1]
-    with pytest.raises(MemoryError):
-        r.allocphysmem(2**31)
-
-
 @pytest.mark.shows("res.dev-0320.IsisSensorFrequencyFactor", "res.dev-0321.IsisPosNormFactor")
 def test_isis_factors(lathe: Mcu) -> None:
     r = lathe.resources

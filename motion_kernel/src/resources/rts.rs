@@ -147,6 +147,9 @@ fn run(mcu: &mut Mcu, running: bool) -> Result<(), Code> {
         rts.rows.reserve_exact(WAITING);
     }
     mcu.look_for_strobes();
+    if running {
+        mcu.remember_drives();
+    }
     Ok(())
 }
 /// Whether something was recorded; BUSY before RTS_Init.

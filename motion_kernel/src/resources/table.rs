@@ -97,8 +97,15 @@ const fn order(number: i32, name: &'static str, index: Range, write: Write) -> D
 }
 
 /// The tables of all rooms.
-pub static DEVICES: &[&[Device]] =
-    &[MOTION, AXIS, CARD, super::memory_devices::DEVICES, super::sync::DEVICES, super::endat::DEVICES, super::rts::DEVICES];
+pub static DEVICES: &[&[Device]] = &[
+    MOTION,
+    AXIS,
+    CARD,
+    super::memory_devices::DEVICES,
+    super::sync::DEVICES,
+    super::endat::DEVICES,
+    super::rts::DEVICES,
+];
 
 /// Devices that go to the memory of the host.
 pub(super) fn is_host_memory(number: i32) -> bool {

@@ -1,8 +1,8 @@
 //! From the text of a stimulus to its rules: one rule a line, every error with line and column.
 
 use super::{Action, Compare, Condition, Rule, Stimulus, Trigger};
-use crate::machine::{Machine, MachineDiagnostic, nearest};
 use crate::latch::FIRST_STROBE;
+use crate::machine::{Machine, MachineDiagnostic, nearest};
 use crate::mcu::COMMONS;
 
 /// Ids of diagnostics in a stimulus, each with the remedy that is shown where no better hint exists.
@@ -18,7 +18,8 @@ pub const ST_IDS: &[(&str, &str)] = &[
 /// Every word of the language, for the manual page and for hints.
 pub const WORDS: [&str; 26] = [
     "at", "when", "whenever", "while", "and", "after", "input", "output", "line", "ci", "on", "off", "bouncing",
-    "pulsing", "blocked", "free", "encoder", "cut", "mended", "drive", "pushed", "bus", "error", "supply", "low", "lost",
+    "pulsing", "blocked", "free", "encoder", "cut", "mended", "drive", "pushed", "bus", "error", "supply", "low",
+    "lost",
 ];
 
 const MOST_BYTES: usize = 1 << 20;
