@@ -55,7 +55,9 @@ class Stage:
         """Loads the engine's job."""
         self.app.load(path)
         await self.until(lambda: self.app.job is self.engine.job)
+        self.app.tick()
         self.app.messages._said = ("", 0.0)
+        self.app.messages.log.clear()  # loading goes on beside the frames: the order of its lines is not fixed
 
     async def frame(self) -> str:
         """The characters of the screen, when nothing is left to draw."""
