@@ -39,12 +39,8 @@ def run_and_write(
     )
     plotting = Plotting(tolerance) if report else None
     result = dry_run(job, options, sink, plotting)
-    named = evidence_keys(result.path, result.tracker, result.summary, job.machine.machine, tolerance)
-    verdict = with_findings(judge(result, tolerance), named["findings"])
     files = {"recording": shown(record) if record else None, "report": shown(report) if report else None}
-    motors = motor_commands(result.execution.mcu, job.machine.machine.axis_names)
-    run = run_object(result, verdict, files) | named | {"motor_command": motors}
-    run["verdict"]["tolerance_from"] = _tolerance_from(tolerance_mm)
+    verdict, run = judged(result, tolerance_mm, files)
     if options.sweep:
         from cnc_front.sweep import override_sweep
 
@@ -63,6 +59,20 @@ def run_and_write(
         made.time_optimal = optimal
         write_report(made, report, language)
     return result, verdict, run
+
+
+def judged(
+    result: RunResult, tolerance_mm: float | None, files: dict[str, str | None]
+) -> tuple[Verdict, dict[str, Any]]:
+    """The verdict of a run that is over, and the object of design 3.2; `tolerance_mm` None: that of the machine."""
+    machine = result.job.machine.machine
+    tolerance = tolerance_mm if tolerance_mm is not None else machine.tolerance_mm
+    named = evidence_keys(result.path, result.tracker, result.summary, machine, tolerance)
+    verdict = with_findings(judge(result, tolerance), named["findings"])
+    motors = motor_commands(result.execution.mcu, machine.axis_names)
+    run = run_object(result, verdict, files) | named | {"motor_command": motors}
+    run["verdict"]["tolerance_from"] = _tolerance_from(tolerance_mm)
+    return verdict, run
 
 
 def report_from_recording(recording: str, folder: Path, language: str) -> None:

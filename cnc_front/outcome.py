@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from cnc_front.deliver import Plotting, events_of
+from cnc_front.deliver import Plotting, events_of, judged
 from cnc_front.report.data import FINDINGS, ReportInput, source_line
 from cnc_front.run import RunResult
-from cnc_front.verdict import judge, run_object
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,9 +41,7 @@ class Outcome:
 
 def outcome_of(result: RunResult, plotting: Plotting, number: int, tolerance_mm: float | None = None) -> Outcome:
     """Judges a run that is over; nothing is measured again. Call it once for a run."""
-    verdict = judge(result, tolerance_mm)
-    run = run_object(result, verdict, {"recording": None, "report": None})
-    run["verdict"]["tolerance_from"] = "machine"
+    verdict, run = judged(result, tolerance_mm, {"recording": None, "report": None})
     machine, source = result.job.machine.machine, result.job.source
     report = plotting.report_input(run, result.summary, source, machine, events_of(result))
     return Outcome(number, source.path, int(verdict.exit), run, worst_blocks(report), report)

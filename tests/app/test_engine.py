@@ -212,7 +212,7 @@ def test_the_outcome_is_that_of_run(engine: SimEngine, cli: Cli) -> None:
     outcome = engine.outcome()
     assert outcome is not None and outcome.number == 1 and outcome.code == 0
     ran = cli("run", path, "--json").object
-    for key in ("verdict", "deviation", "following_error", "machine_time_s", "samples", "alarms", "path_length_mm"):
+    for key in ("verdict", "deviation", "following_error", "machine_time_s", "samples", "alarms", "findings", "axes"):
         assert outcome.run[key] == ran[key], key
     assert outcome.worst[0].line == ran["deviation"]["actual"]["worst"]["line"]
     engine.start()
