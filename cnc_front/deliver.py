@@ -107,7 +107,7 @@ def _measured_again(recorded: Recorded) -> ReportInput:
     summary = tracker.finish()
     run = _run_of(recorded, source, machine, summary, samples)
     run |= evidence_keys(path, tracker, summary, machine, plotting.tolerance_mm)
-    report = plotting.report_input(run, summary, source, machine, recorded.events)
+    report = plotting.report_input(run, summary, source, machine, sorted(recorded.events, key=_order))
     if wanted:
         report.time_optimal = _optimal(recorded.sequence, path, tracker, machine, samples)
         run["time_optimal_s"] = report.time_optimal.seconds
@@ -225,7 +225,12 @@ def events_of(result: RunResult) -> list[dict[str, Any]]:
         | {"text": h.text}
         for h in execution.host_events
     ]
-    return sorted(log + hosts, key=lambda event: event["t_s"])
+    return sorted(log + hosts, key=_order)
+
+
+def _order(event: dict[str, Any]) -> tuple[float, bool]:
+    """Order of events: by time; what the program told comes last in its sample."""
+    return event["t_s"], event["kind"] == "host"
 
 
 def _tolerance_from(tolerance_mm: float | None) -> str:

@@ -72,6 +72,38 @@ def test_a_recording_gives_the_same_report(reported: tuple[Path, dict]) -> None:
     assert (folder / "run/blocks.csv").read_bytes() == (folder / "again/blocks.csv").read_bytes()
 
 
+def test_a_recording_with_everything_asked_for_gives_the_same_report(cli: Cli, tmp_path: Path) -> None:
+    asked = ("--time-optimal", "--override", "0:1,2:0.6,5:1.2", "--tolerance", "0.02", "--lang", "de")
+    ran = cli("run", BRACKET, *asked, "--record", tmp_path / "run.mcap", "--report", tmp_path / "run", "--json")
+    assert ran.object["time_optimal_s"] < ran.object["machine_time_s"]
+    assert cli("report", tmp_path / "run.mcap", tmp_path / "again", "--lang", "de").code == 0
+    mine = figures(tmp_path / "run")
+    assert mine == figures(tmp_path / "again")
+    assert mine["time_optimal"]["sections"] and mine["limits"] and mine["result"]["time_optimal_s"] > 0
+    for name in ("blocks.csv", "png/path-xy.png"):
+        assert (tmp_path / "run" / name).read_bytes() == (tmp_path / "again" / name).read_bytes()
+    pages = [(tmp_path / name / "report.html").read_text(encoding="utf-8") for name in ("run", "again")]
+    assert Page(pages[0]).texts["data"] == Page(pages[1]).texts["data"], "what is drawn is the same, too"
+
+
+def test_the_page_shows_what_limited_the_feed(reported: tuple[Path, dict]) -> None:
+    folder, run = reported
+    page = Page((folder / "run/report.html").read_text(encoding="utf-8"))
+    limits = json.loads(page.texts["data"])["limits"]
+    samples = dict(zip(limits["names"], map(sum, limits["counts"]), strict=True))
+    assert sum(samples.values()) == run["samples"], "every sample has one cause"
+    rows = figures(folder / "run")["limits"]
+    assert [row["limit"] for row in rows] == limits["names"]
+    assert [row["samples"] for row in rows] == list(samples.values())
+    assert {row["limit"]: row["seconds"] for row in rows} == run["feed"]["limits"]
+    assert sum(row["share_pct"] for row in rows) == pytest.approx(100)
+    with (folder / "run/blocks.csv").open(encoding="utf-8", newline="") as file:
+        blocks = list(csv.DictReader(file))
+    assert {row["limit"] for row in blocks} - {""} <= set(limits["names"])
+    long = max((row for row in blocks if row["rapid"] == "False"), key=lambda row: float(row["time_s"]))
+    assert long["limit"] == "feed" and float(long["limit_pct"]) > 50
+
+
 def test_the_page_shows_the_figures_of_the_run(reported: tuple[Path, dict]) -> None:
     folder, run = reported
     page = Page((folder / "run/report.html").read_text(encoding="utf-8"))
