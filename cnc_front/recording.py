@@ -43,7 +43,7 @@ class RecordingSink:
         ]
         self.path = path
         self._writer = native.Writer(
-            path, list(machine.axis_names), machine.sample_time_us * 1e-6, attachments, metadata
+            path, list(machine.axis_names), machine.sample_time_us * 1e-6, attachments, metadata, machine.resolution
         )
 
     def write(self, chunk: native_kernel.Chunk, deviation_mm: NDArray[np.float32], happened: Happened) -> None:

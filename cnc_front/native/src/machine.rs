@@ -109,6 +109,11 @@ impl Machine {
     fn units(&self) -> Vec<&'static str> {
         self.inner.axes.iter().map(|a| if a.kind == AxisKind::Linear { "mm" } else { "deg" }).collect()
     }
+    /// Axis units per count of the encoder.
+    #[getter]
+    fn resolution(&self) -> Vec<f64> {
+        self.inner.axes.iter().map(|a| 1.0 / a.counts_per_unit).collect()
+    }
     /// Following error limit per axis.
     #[getter]
     fn mpe(&self) -> Vec<f64> {

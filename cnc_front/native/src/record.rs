@@ -44,10 +44,11 @@ impl Writer {
         sample_time_s: f64,
         attachments: Vec<(String, String, Vec<u8>)>,
         metadata: BTreeMap<String, String>,
+        resolution: Vec<f64>,
     ) -> PyResult<Writer> {
         let attached = |(name, media_type, data)| Attached { name, media_type, data };
         let attachments = attachments.into_iter().map(attached).collect();
-        let header = Header { axes, sample_time_s, attachments, metadata };
+        let header = Header { axes, sample_time_s, resolution, attachments, metadata };
         let inner = recording::Writer::create(&path, &header).map_err(|e| raise(e, &path))?;
         Ok(Writer { inner: Some(inner), path })
     }

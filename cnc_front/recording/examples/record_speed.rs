@@ -21,8 +21,12 @@ fn main() -> Result<(), recording::Error> {
     let megabytes = (samples * (24 * axes + 32)) as f64 / 1e6;
 
     let copy = std::env::temp_dir().join(format!("recording-bench-{}.mcap", std::process::id()));
-    let header =
-        Header { axes: (0..axes).map(|a| format!("A{a}")).collect(), sample_time_s: 1.28e-3, ..Header::default() };
+    let header = Header {
+        axes: (0..axes).map(|a| format!("A{a}")).collect(),
+        sample_time_s: 1.28e-3,
+        resolution: vec![1.0 / 10_000.0; axes],
+        ..Header::default()
+    };
     let begun = Instant::now();
     let mut writer = Writer::create(&copy, &header)?;
     for part in &columns {

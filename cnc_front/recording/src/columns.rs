@@ -1,10 +1,13 @@
 //! The layout of a `/columns` message: full-rate samples, column after column.
 //!
-//! All numbers little-endian: u64 first sample, u32 n samples, u32 a axes; then f64 (n, a) set points `dp`, load
-//! side `load`, encoder `rp`; f64 (n) effective override `factor`, nominal path velocity `v_plan`; u32 (n) source
-//! `line`, motion command `entry`, `flags`; f32 (n) `deviation_mm` of the load side from the programmed path.
+//! Numbers are little-endian: u64 first sample, u32 n samples, u32 a axes; f64 (a) resolution of the encoders. Then, each
+//! packed by itself ([`crate::packed`]): per axis the f64 set points `dp`, per axis the load side `load`, per axis the
+//! encoder `rp` (as i64 multiples of its resolution, or f64 where that is 0), f64 effective override `factor`, nominal path
+//! velocity `v_plan`, u32 source `line`, motion command `entry`, `flags`, and the bits of the f32 `deviation_mm` of the
+//! load side from the programmed path.
 
 use crate::Error;
+use crate::packed::{pack, unpack};
 
 /// Samples of a run as columns; matrices row by row.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,9 +45,8 @@ const HEAD: usize = 16;
 /// More axes than the controller has are no recording of ours.
 const MAX_AXES: usize = 18;
 
-fn bytes_per_sample(axes: usize) -> usize {
-    3 * 8 * axes + 2 * 8 + 3 * 4 + 4
-}
+/// More samples than this in one message are none of ours.
+const MOST_SAMPLES: usize = 1 << 16;
 
 impl<'a> ColumnsView<'a> {
     pub fn len(&self) -> usize {
@@ -77,28 +79,53 @@ impl<'a> ColumnsView<'a> {
             deviation_mm: &self.deviation_mm[from..to],
         }
     }
-    /// Appends the message to `out`.
-    pub fn encode(&self, out: &mut Vec<u8>) {
+    /// Appends the message to `out`. `resolution`: axis units per count of each encoder, as far as it is known.
+    pub fn encode(&self, resolution: &[f64], out: &mut Vec<u8>) {
+        let mut words = Vec::with_capacity(self.len());
+        let (mut column, mut counts) = (Vec::with_capacity(self.len()), Vec::with_capacity(self.len()));
         out.extend(self.first_sample.to_le_bytes());
         out.extend((self.len() as u32).to_le_bytes());
         out.extend((self.axes as u32).to_le_bytes());
-        let from = out.len();
-        out.resize(from + self.len() * bytes_per_sample(self.axes), 0);
-        let mut rest = &mut out[from..];
-        // fixed-size pieces of a slice: the compiler makes a plain copy of it
-        for column in [self.dp, self.load, self.rp, self.factor, self.v_plan] {
-            let (own, behind) = rest.split_at_mut(8 * column.len());
-            own.chunks_exact_mut(8).zip(column).for_each(|(bytes, value)| bytes.copy_from_slice(&value.to_le_bytes()));
-            rest = behind;
+        let units = out.len();
+        out.resize(units + 8 * self.axes, 0);
+        for matrix in [self.dp, self.load] {
+            for a in 0..self.axes {
+                self.axis_of(matrix, a, &mut column);
+                pack(&column, &mut words, out);
+            }
         }
-        for column in [self.line, self.entry, self.flags] {
-            let (own, behind) = rest.split_at_mut(4 * column.len());
-            own.chunks_exact_mut(4).zip(column).for_each(|(bytes, value)| bytes.copy_from_slice(&value.to_le_bytes()));
-            rest = behind;
+        for a in 0..self.axes {
+            let unit = resolution.get(a).copied().unwrap_or(0.0);
+            self.axis_of(self.rp, a, &mut column);
+            if in_counts(&column, unit, &mut counts) {
+                out[units + 8 * a..units + 8 * (a + 1)].copy_from_slice(&unit.to_le_bytes());
+                pack(&counts, &mut words, out);
+            } else {
+                pack(&column, &mut words, out);
+            }
         }
-        let deviations = rest.chunks_exact_mut(4).zip(self.deviation_mm);
-        deviations.for_each(|(bytes, value)| bytes.copy_from_slice(&value.to_le_bytes()));
+        [self.factor, self.v_plan].into_iter().for_each(|column| pack(column, &mut words, out));
+        [self.line, self.entry, self.flags].into_iter().for_each(|column| pack(column, &mut words, out));
+        let bits: Vec<u32> = self.deviation_mm.iter().map(|d| d.to_bits()).collect();
+        pack(&bits, &mut words, out);
     }
+
+    fn axis_of(&self, matrix: &[f64], axis: usize, column: &mut Vec<f64>) {
+        column.clear();
+        column.extend(matrix.chunks_exact(self.axes).map(|row| row[axis]));
+    }
+}
+
+/// Positions as whole multiples of the resolution; false if one of them is none, to the last bit.
+fn in_counts(positions: &[f64], unit: f64, counts: &mut Vec<i64>) -> bool {
+    counts.clear();
+    if unit <= 0.0 || !unit.is_finite() {
+        return false;
+    }
+    let per_unit = 1.0 / unit;
+    // as `round`, which is a call
+    counts.extend(positions.iter().map(|x| x * per_unit).map(|y| (y + 0.5_f64.copysign(y)) as i64));
+    positions.iter().zip(counts.iter()).all(|(x, &count)| (count as f64 * unit).to_bits() == x.to_bits())
 }
 
 impl Columns {
@@ -141,38 +168,40 @@ impl Columns {
     /// # Errors
     /// If the length contradicts the head.
     pub fn decode(data: &[u8]) -> Result<Columns, Error> {
-        let bad = || Error::Content("a message of /columns has the wrong length".to_owned());
-        let (head, mut rest) = data.split_at_checked(HEAD).ok_or_else(bad)?;
-        let first_sample = u64::from_le_bytes(head[..8].try_into().expect("8 bytes"));
+        Self::decoded(data).ok_or_else(|| Error::Content("a message of /columns has the wrong length".to_owned()))
+    }
+
+    fn decoded(data: &[u8]) -> Option<Columns> {
+        let (head, mut rest) = data.split_at_checked(HEAD)?;
+        let first_sample = u64::from_le_bytes(head[..8].try_into().ok()?);
         let number = |at: usize| u32::from_le_bytes(head[at..at + 4].try_into().expect("4 bytes")) as usize;
         let (n, axes) = (number(8), number(12));
-        if axes > MAX_AXES || rest.len() != n.saturating_mul(bytes_per_sample(axes)) {
-            return Err(bad());
+        if axes > MAX_AXES || n > MOST_SAMPLES {
+            return None;
         }
-        let mut take = |bytes: usize| {
-            let (column, after) = rest.split_at(bytes);
-            rest = after;
-            column
+        let (units, behind) = rest.split_at_checked(8 * axes)?;
+        rest = behind;
+        let mut words = Vec::with_capacity(n);
+        let mut matrix = |rest: &mut &[u8], units: Option<&[u8]>| -> Option<Vec<f64>> {
+            let mut rows = vec![0.0; n * axes];
+            for a in 0..axes {
+                let unit =
+                    units.map_or(0.0, |u| f64::from_le_bytes(u[8 * a..8 * (a + 1)].try_into().expect("8 bytes")));
+                let column = match unit == 0.0 {
+                    true => unpack(rest, n, &mut words)?,
+                    false => unpack::<i64>(rest, n, &mut words)?.iter().map(|&count| count as f64 * unit).collect(),
+                };
+                rows.iter_mut().skip(a).step_by(axes).zip(column).for_each(|(place, value)| *place = value);
+            }
+            Some(rows)
         };
-        let f64s =
-            |bytes: &[u8]| bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().expect("8 bytes"))).collect();
-        let u32s =
-            |bytes: &[u8]| bytes.chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().expect("4 bytes"))).collect();
-        Ok(Columns {
-            first_sample,
-            axes,
-            dp: f64s(take(8 * n * axes)),
-            load: f64s(take(8 * n * axes)),
-            rp: f64s(take(8 * n * axes)),
-            factor: f64s(take(8 * n)),
-            v_plan: f64s(take(8 * n)),
-            line: u32s(take(4 * n)),
-            entry: u32s(take(4 * n)),
-            flags: u32s(take(4 * n)),
-            deviation_mm: take(4 * n)
-                .chunks_exact(4)
-                .map(|b| f32::from_le_bytes(b.try_into().expect("4 bytes")))
-                .collect(),
-        })
+        let (dp, load) = (matrix(&mut rest, None)?, matrix(&mut rest, None)?);
+        let rp = matrix(&mut rest, Some(units))?;
+        let (factor, v_plan) = (unpack(&mut rest, n, &mut words)?, unpack(&mut rest, n, &mut words)?);
+        let mut whole = || unpack::<u32>(&mut rest, n, &mut words);
+        let (line, entry, flags) = (whole()?, whole()?, whole()?);
+        let deviation_mm = whole()?.into_iter().map(f32::from_bits).collect();
+        let columns = Columns { first_sample, axes, dp, load, rp, factor, v_plan, line, entry, flags, deviation_mm };
+        rest.is_empty().then_some(columns)
     }
 }

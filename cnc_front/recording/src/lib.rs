@@ -3,7 +3,7 @@
 //! | what | where |
 //! |---|---|
 //! | job and machine text, translated sequence, run arguments | attachments at the start: a file cut off later still has them |
-//! | every sample, full rate | topic `/columns`, about 1,000 samples a message, little-endian ([`columns`]) |
+//! | every sample, full rate | topic `/columns`, about 1,000 samples a message, packed ([`columns`]) |
 //! | a thinned channel for plots | topic `/state`, JSON, one message a sample |
 //! | alarms, outputs, what the program announced | topic `/events`, JSON |
 //! | the result object of the run | attachment `result.json` at the end |
@@ -12,6 +12,7 @@
 
 pub mod columns;
 mod mcap_file;
+mod packed;
 mod reader;
 mod state;
 mod writer;

@@ -27,6 +27,8 @@ pub struct Header {
     /// Axis names: 1 to 8 letters, digits or `_`.
     pub axes: Vec<String>,
     pub sample_time_s: f64,
+    /// Axis units per count of the encoders, as far as it is known: positions are then packed as counts.
+    pub resolution: Vec<f64>,
     /// Job, machine file, sequence.
     pub attachments: Vec<Attached>,
     /// Arguments of the run, kept as the metadata record `run`.

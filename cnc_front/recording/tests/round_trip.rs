@@ -13,7 +13,13 @@ fn scratch(name: &str) -> PathBuf {
 fn header() -> Header {
     let text = Attached { name: "job.nc".into(), media_type: "text/plain".into(), data: b"G0 X1\n".to_vec() };
     let metadata = [("tolerance_mm".to_owned(), "0.05".to_owned())].into();
-    Header { axes: vec!["X".into(), "Y".into()], sample_time_s: 1.28e-3, attachments: vec![text], metadata }
+    Header {
+        axes: vec!["X".into(), "Y".into()],
+        sample_time_s: 1.28e-3,
+        attachments: vec![text],
+        metadata,
+        ..Header::default()
+    }
 }
 
 fn samples(first_sample: u64, n: usize) -> Columns {
