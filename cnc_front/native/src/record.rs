@@ -36,8 +36,9 @@ pub struct Writer {
 
 #[pymethods]
 impl Writer {
-    /// Attachments are (name, media type, bytes). Raises OSError.
+    /// Attachments are (name, media type, bytes). `resolution`: axis units per count of the encoders. Raises OSError.
     #[new]
+    #[pyo3(signature = (path, axes, sample_time_s, attachments, metadata, resolution=Vec::new()))]
     fn new(
         path: PathBuf,
         axes: Vec<String>,
