@@ -83,6 +83,7 @@ class AxisValues:
     zero: float = 0.0  # work offset G54: program coordinate 0 in machine coordinates
     #: kp, ki, kd, kpl, kfcv, kfca by name
     gains: tuple[tuple[str, float], ...] = ()
+    jog_feed: float = 0.0  # units a minute
     #: how `home` finds its reference; empty: it cannot
     homing: str = ""
 
@@ -135,7 +136,7 @@ class Snapshot:
     waits_for: tuple[int, ...] = ()  # numbers of the inputs that it waits for
     inputs: int = 0  # bit n: input n + 1 is active
     outputs: int = 0
-    revision: int = 0  # counts the jobs taken over: another one is `job()` now
+    revision: int = 0  # counts the jobs taken over: another one is `current_job()` now
     start_line: int = 0  # the loaded job begins at this line; 0: at its top
     mdi: str = ""  # the MDI block that was checked and may be started
     mdi_modal: str = ""  # modal state of MDI, behind its last block
@@ -171,7 +172,7 @@ class Engine(Protocol):
     def load(self, path: str) -> Job:
         """Compiles a job (may take seconds: call it from a worker). Raises CompileError, no motion starts."""
 
-    def job(self) -> Job | None:
+    def current_job(self) -> Job | None:
         """The loaded job; a new one where the machine moved or switches changed since it was checked."""
 
     def search(self, block: str) -> Start:

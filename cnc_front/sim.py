@@ -117,7 +117,7 @@ class SimEngine:
 
     # ---- what the operator wants
 
-    def job(self) -> Job | None:
+    def current_job(self) -> Job | None:
         """The loaded job."""
         loaded = self._machine.loaded
         return loaded.job.view if loaded is not None else None

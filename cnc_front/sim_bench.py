@@ -119,6 +119,10 @@ class Bench:
         """The PIDF gains of an axis."""
         return tuple((name, float(value)) for name, value in self._tree["axis"][axis]["pidf"].items())
 
+    def jog_feed(self, axis: int) -> float:
+        """Jog velocity jvl, units a minute."""
+        return self.mcu.read_axis_register(axis, "jvl") * 60.0
+
     # ---- what the operator wants
 
     def jog(self, axis: int, distance: float) -> str:

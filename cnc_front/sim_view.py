@@ -188,6 +188,7 @@ def _axis(bench: Bench, a: int, values: dict[str, Any]) -> AxisValues:
         limits=machine.limits[a],
         zero=bench.place.zero[a],
         gains=bench.gains(a),
+        jog_feed=bench.jog_feed(a),
         homing=bench.homing(a),
     )
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import ClassVar
 
 from textual import events
-from textual.app import App, ComposeResult
+from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.strip import Strip
 from textual.theme import Theme
@@ -27,13 +26,13 @@ from tui.keeper import Keeper
 from tui.keys import KEYS, SETTLE_S
 from tui.look import Look
 from tui.messages import Messages
-from tui.operation import HIGH, LOW, Operation
+from tui.motion_keys import MotionKeys
+from tui.operation import Operation
 from tui.pages import PAGES, Page
 from tui.pages.jobs import Check, JobsPage
 from tui.plot import PathPicture
-from tui.program import ProgramView, find_block
+from tui.program import ProgramView, find_block, find_text
 from tui.rows import Row
-from tui.states import FACES
 from tui.values import Shown
 from tui.widgets import Body, Rows
 from tui.words import Words
@@ -44,19 +43,9 @@ STALE_S = 1.0
 SMALLEST = (80, 24)
 #: Rows of header, message line and key line.
 FRAME = 3
-#: When to look for the effect of a hold, s after the key.
-ECHO_S = (0.015, 0.04)
 
 
-@dataclass(frozen=True, slots=True)
-class Switches:
-    """Options of compilation that the header shows."""
-
-    optional_stop: bool = False
-    skip: bool = False
-
-
-class Terminal(App[None]):
+class Terminal(MotionKeys):
     """The operator's terminal."""
 
     ENABLE_COMMAND_PALETTE = False
@@ -79,7 +68,6 @@ class Terminal(App[None]):
         words: Words,
         *,
         job: str | None = None,
-        switches: Switches | None = None,
         clock: Callable[[], datetime] = datetime.now,
         paced: bool = True,
         settle_s: float = SETTLE_S,
@@ -98,18 +86,18 @@ class Terminal(App[None]):
         else:
             self.theme = "ansi-dark"
         self.engine, self.look, self.words, self.clock = engine, look, words, clock
-        self._first_job, self.paced, self._settle_s = job, paced, settle_s
-        self.switches = switches or Switches()
+        self._first_job, self.paced, self.settle_s = job, paced, settle_s
         self.messages = Messages(words)
         self.operation = Operation(engine, words, self.say)
         self.keeper = Keeper(engine, archive or Archive(None, words.language), self.say)
         self.picture, self.program = PathPicture(look), ProgramView(look)
         self.job: Job | None = None
+        self._revision = 0
         self.pages: dict[str, Page] = {page.name: page(self) for page in PAGES}
         self.page = self.pages["run"]
         self._seen = (engine.snapshot(), time.monotonic())
         self._beat, self._pulse_s = time.monotonic(), REFRESH_S
-        self._key_at = 0.0
+        self.key_at = 0.0
 
     def compose(self) -> ComposeResult:
         """Header, body, message line and key line stay in place on all pages."""
@@ -160,6 +148,9 @@ class Terminal(App[None]):
         if not self.is_running or not self.screen_stack or self.is_behind:
             return
         shown, base = self.shown(), self.screen_stack[0]
+        if shown.snapshot.revision != self._revision:
+            self._take(shown.snapshot.revision)
+            shown = self.shown()
         if self.job is not None:
             self.picture.driven(*self.engine.new_deviation(self.picture.reached))
         self.messages.watch(shown, self.clock())
@@ -179,8 +170,14 @@ class Terminal(App[None]):
         base.query_one("#keys", Rows).put([key_row(self.look, self.words, width)])
 
     def _header(self, shown: Shown, width: int) -> Strip:
-        on = self.switches
-        switches = (("M01", on.optional_stop), ("SKP", on.skip), ("SB", shown.snapshot.single_block))
+        on = shown.snapshot.switches
+        switches = (
+            ("PRT", on.program_test),
+            ("DRY", on.dry_run),
+            ("M01", on.optional_stop),
+            ("SKP", bool(on.skip)),
+            ("SB", shown.snapshot.single_block),
+        )
         warnings = len(self.job.warnings) + bool(self.picture.over) if self.job else 0
         return header(shown, switches, warnings, self.clock(), width)
 
@@ -206,16 +203,23 @@ class Terminal(App[None]):
         except (UsageError, OSError) as error:
             self.call_from_thread(self.say, f"{path}: {error}")
         else:
-            self.call_from_thread(self._take, job)
+            self.call_from_thread(self._loaded, job)
 
-    def _take(self, job: Job) -> None:
+    def _loaded(self, job: Job) -> None:
+        total = self.engine.snapshot().path_total_mm
+        self.say(self.words("loaded", name=job.name, lines=len(job.lines), path=total))
+        self.tick()
+
+    def _take(self, revision: int) -> None:
+        """The engine has another job, or has checked it again."""
+        job = self.engine.current_job()
+        self._revision = revision
+        if job is None:
+            return
         self.job = job
         self._checked(Check(job.name, job))
         self.picture.take(job)
         self.program.take(job.lines)
-        total = self.engine.snapshot().path_total_mm
-        self.say(self.words("loaded", name=job.name, lines=len(job.lines), path=total))
-        self.tick()
 
     def _checked(self, check: Check) -> None:
         page = self.pages["jobs"]
@@ -237,7 +241,7 @@ class Terminal(App[None]):
     async def on_event(self, event: events.Event) -> None:
         """Remembers when a key was pressed, so that motion keys that waited too long can be dropped."""
         if isinstance(event, events.Key):
-            self._key_at = event.time
+            self.key_at = event.time
         await super().on_event(event)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
@@ -250,13 +254,6 @@ class Terminal(App[None]):
             return len(self.screen_stack) == 1
         return True
 
-    def action_hold(self) -> None:
-        """Feed hold; its effect shows at once, not with the next regular frame."""
-        self.operation.hold()
-        if self.paced:
-            for seconds in ECHO_S:
-                self.set_timer(seconds, self.tick)
-
     def action_escape(self) -> None:
         """Feed hold, and out of where one is."""
         self.action_hold()
@@ -264,70 +261,6 @@ class Terminal(App[None]):
             self.screen.answer(None)
         elif not self.page.escape() and self.page.name != "run":
             self.action_show("run")
-
-    def action_start(self) -> None:
-        """Cycle start or resume."""
-        self.program.choose(0)
-        self.operation.start(time.monotonic() - self._key_at)
-
-    def action_step(self) -> None:
-        """One block."""
-        self.program.choose(0)
-        self.operation.step(time.monotonic() - self._key_at)
-
-    def action_single_block(self) -> None:
-        """Single block on or off."""
-        self.operation.toggle_single_block()
-
-    def action_reset(self) -> None:
-        """Announces a reset."""
-        self.operation.arm_reset()
-        self.tick()
-
-    def action_confirm(self) -> None:
-        """Does what was announced."""
-        if not self.operation.confirm():
-            self.page.confirm()
-        self.tick()
-
-    def action_override(self, percent: int) -> None:
-        """Feed override by percent points."""
-        self.operation.change_override(percent)
-
-    def action_override_full(self) -> None:
-        """Feed override 100 %."""
-        self.operation.set_override(100)
-
-    def action_override_value(self) -> None:
-        """Asks for the feed override."""
-        title = self.words("override_ask", low=LOW, high=HIGH)
-        self.ask(title, self.words("field_keys"), self.operation.override_from)
-
-    def action_speed(self, by: int) -> None:
-        """Simulation speed."""
-        self.operation.change_speed(by)
-
-    def ask(self, title: str, keys: str, then: Callable[[str], None], *, field: bool = True) -> None:
-        """A question; `then` gets the answer."""
-
-        def answered(text: str | None) -> None:
-            if text is not None:
-                then(text)
-
-        self.push_screen(Question(title, keys, field=field, settle_s=self._settle_s), answered)
-
-    def action_ask_quit(self) -> None:
-        """Asks whether to end."""
-        face = FACES[self.operation.state]
-        title = self.words("quit_ask")
-        if self.operation.is_underway:
-            title += " " + self.words("quit_runs", state=self.words.pick(face.english, face.german))
-        self.ask(title, self.words("quit_keys"), lambda _: self.exit(), field=False)
-
-    def leave_from_thread(self) -> None:
-        """Ends the program from another thread."""
-        if self.is_running and self._loop is not None:
-            self._loop.call_soon_threadsafe(self.exit)
 
     # ---- keys: looking
 
@@ -369,6 +302,26 @@ class Terminal(App[None]):
             self.action_show("run")
             self.program.choose(line)
         self.tick()
+
+    def action_find(self) -> None:
+        """Asks for a text of the program."""
+        if self.job is None:
+            self.say(self.words("goto_job"))
+        else:
+            self.ask(self.words("find"), self.words("field_keys"), self._find)
+
+    def _find(self, text: str) -> None:
+        line = find_text(self.program.lines, text, self.program.chosen) if text else None
+        if line is None:
+            self.say(self.words("find_none", text=text.strip()[:20]))
+        else:
+            self.action_show("run")
+            self.program.choose(line)
+        self.tick()
+
+    def on_app_blur(self) -> None:
+        """The terminal window has lost the focus: jogging ends, as on a change of the page."""
+        self.page.leave()
 
     def action_next_message(self) -> None:
         """The next message."""

@@ -32,12 +32,19 @@ def header(shown: Shown, switches: tuple[tuple[str, bool], ...], warnings: int, 
     wide = width >= 110
     gap = "  " if wide else " "
     face = FACES[s.state]
-    row = Row(look.bar).add(" ").add(target_word(s.speed_factor), look.target).add(gap + words("auto") + gap)
+    row = (
+        Row(look.bar)
+        .add(" ")
+        .add(target_word(s.speed_factor), look.target)
+        .add(gap + words(s.mode.value.lower()) + gap)
+    )
     word = f"{face.symbol} {words.pick(face.english, face.german)}{shown.doubt.strip()}"
     row.add(word, getattr(look, face.style)).add(gap)
     right = Row(look.bar)
     for name, on in switches:
         _flag(right, look, name, on)
+    if wide or s.rapid_set != 1.0:
+        right.add(f" ROV {s.rapid_set * 100:.0f}", look.warn if s.rapid_set != 1.0 else look.bar)
     right.add("  ").add(*_findings(s, words, look, warnings, wide)).add(gap + f"{now:%H:%M:%S}")
     room = width - row.width - right.width - 1
     block = f"  {block_name(shown.job.lines, s.line)}" if wide and shown.job and s.line else ""

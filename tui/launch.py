@@ -13,7 +13,7 @@ from collections.abc import Callable
 from cnc_front.engine import Engine, State
 from cnc_front.errors import Exit, UsageError
 from cnc_front.history import place
-from tui.app import Switches, Terminal
+from tui.app import Terminal
 from tui.archive import Archive
 from tui.look import Look, choose_look
 from tui.words import Words
@@ -29,13 +29,12 @@ def run_terminal(options: argparse.Namespace, language: str) -> int:
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise UsageError("tui needs a terminal; `tui --plain` and `cnc-front run` work without one")
     look = choose_look(options.theme, options.glyphs, os.environ)
-    switches = Switches(optional_stop=options.optional_stop, skip=bool(options.skip))
     if options.job and is_sap(options):
         return debug(options, look, Words(language))
     engine = make_engine(options, language)
     archive = Archive(place(options.history), language)
     try:
-        terminal = Terminal(engine, look, Words(language), job=options.job, switches=switches, archive=archive)
+        terminal = Terminal(engine, look, Words(language), job=options.job, archive=archive)
         hold_when_hung_up(engine, terminal.leave_from_thread)
         terminal.run()
         return int(Exit.DONE if terminal.return_code == 0 else Exit.STOPPED)

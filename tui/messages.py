@@ -8,12 +8,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
 
-from cnc_front.engine import Snapshot, State
+from cnc_front.engine import Snapshot, State, Stop
 from cnc_front.german import one_line
 from tui.program import block_name
 from tui.states import FACES, RESUMABLE
 from tui.values import Shown
-from tui.words import Words
+from tui.words import TEXTS, Words
 
 #: What was said stays in the line for so long, s.
 SAID_S = 8.0
@@ -40,6 +40,7 @@ class Messages:
         self._known: set[tuple[float, str, str]] = set()
         self._state: State | None = None
         self._state_at = 0.0
+        self._since = ""
         self.index = 0
 
     def say(self, text: str, now: datetime, code: str = "") -> None:
@@ -55,6 +56,7 @@ class Messages:
             words = [self._words.pick(face.english, face.german), self._why(s)]
             place = block_name(shown.job.lines, s.line) if shown.job and s.line else ""
             self.log.append(Logged(clock, "", " ".join(word for word in (*words, place) if word)))
+            self._since = clock
             self._state, self._state_at, self.index = s.state, time.monotonic(), 0
         if not s.alarms:
             self._known.clear()
@@ -68,7 +70,10 @@ class Messages:
         """Why it stands, where the state's own word does not say it."""
         if s.state in (State.STOPPED, State.ALARM):
             return s.why
-        return (self._words("dwell") if s.why == "dwell" else s.why) if s.state is State.WAITING else ""
+        if s.state is not State.WAITING:
+            return ""
+        numbers = ", ".join(str(number) for number in s.waits_for)
+        return self._words(f"wait_{s.why}", numbers=numbers) if f"wait_{s.why}" in TEXTS else s.why
 
     def next(self) -> None:
         """The next message."""
@@ -109,11 +114,14 @@ class Messages:
             yield words("start_line"), "dim"
 
     def _of_state(self, shown: Shown) -> str:
-        """Why it stands and what goes on from there."""
+        """Why it stands, since when, which of the four stops that is, and what goes on from there."""
         s, words = shown.snapshot, self._words
         if s.state is State.STOPPED:
-            known = {"M00", "M01", "M06"}
-            return words(f"stopped_{s.why}", tool=s.tool) if s.why in known else words("stopped", why=s.why)
+            known = f"stopped_{s.why}"
+            text = words(known, tool=s.tool) if known in TEXTS else words("stopped", why=s.why)
+            return f"{text} ({self._since})"
         if s.state is State.WAITING:
-            return words("waiting", why=self._why(s))
+            return words("waits_since", what=self._why(s), clock=self._since)
+        if s.state in (State.HOLD, State.STEP, State.ABORTED, State.ALARM) and s.stop is not Stop.NONE:
+            return words(f"stop_{s.stop.name.lower()}")
         return {State.HOLD: words("hold_text"), State.STEP: words("step_text")}.get(s.state, "")

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
-from cnc_front.engine import Engine, State
+from cnc_front.engine import Engine, Mode, State
 from tui.keys import LATE_S
 from tui.states import RESUMABLE, STARTABLE, UNDERWAY
 from tui.words import Words
@@ -13,6 +14,10 @@ from tui.words import Words
 #: Feed override, percent. The controller refuses 0.
 LOW, HIGH, STEP = 5, 150, 5
 SPEEDS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 0.0)
+#: Rapid override, percent (ui-guide section 3).
+RAPIDS = (25, 50, 100)
+#: Levels of block delete that the key switches on, where none was chosen on the command line.
+SKIP = tuple(range(10))
 #: An announced reset waits so long for Enter, s.
 ARMED_S = 3.0
 #: The engine has not yet reported what was asked for less than this ago, s.
@@ -30,6 +35,7 @@ class Operation:
         self._armed_at = -ARMED_S
         self._override = (-1.0, 1.0)  # when, and what was asked for
         self._speed = (-1.0, 1.0)
+        self._skip = engine.snapshot().switches.skip or SKIP
 
     @property
     def state(self) -> State:
@@ -40,6 +46,11 @@ class Operation:
     def is_underway(self) -> bool:
         """A job has begun and is not over."""
         return self.state in UNDERWAY
+
+    @property
+    def is_resumable(self) -> bool:
+        """`r` goes on."""
+        return self.state in RESUMABLE
 
     # ---- motion
 
@@ -79,6 +90,55 @@ class Operation:
     def _refuse(self, state: State) -> None:
         reason = {State.NO_JOB: "no_job", State.HOLDING: "brakes", State.ALARM: "no_start_alarm"}
         self._say(self._words(reason.get(state, "runs_already")))
+
+    def start_mdi(self, waited_s: float) -> bool:
+        """Executes the MDI block that was checked; False if the key came too late."""
+        if self._is_late(waited_s):
+            return False
+        self._engine.start_mdi()
+        return True
+
+    def jog(self, axis: str, distance: float, waited_s: float) -> None:
+        """One step; presses during a step are dropped."""
+        snapshot = self._engine.snapshot()
+        if self.is_underway and snapshot.mode is not Mode.MANUAL:
+            self._say(self._words("hand_busy"))
+        elif not self.is_underway and not self._is_late(waited_s):
+            self._engine.jog(axis, distance)
+
+    def home(self, axes: Sequence[str]) -> None:
+        """Home search, at standstill."""
+        if self.is_underway:
+            self._say(self._words("hand_busy"))
+        else:
+            self._engine.home(axes)
+
+    def set_zero(self, axis: str) -> None:
+        """Work zero, at standstill."""
+        if self.is_underway:
+            self._say(self._words("hand_busy"))
+        else:
+            self._engine.set_zero(axis)
+
+    def switch(self, name: str) -> None:
+        """Optional stop, block skip, dry-run feed, program test: on or off, at standstill before the start."""
+        now = self._engine.snapshot().switches
+        if self.is_underway:
+            self._say(self._words("switch_spooled" if name in ("skip", "optional_stop") else "switch_standstill"))
+            return
+        changed = {
+            "optional_stop": replace(now, optional_stop=not now.optional_stop),
+            "skip": replace(now, skip=() if now.skip else self._skip),
+            "dry_run": replace(now, dry_run=not now.dry_run),
+            "program_test": replace(now, program_test=not now.program_test),
+        }
+        self._engine.set_switches(changed[name])
+
+    def change_rapid(self, by: int) -> None:
+        """To the next of RAPIDS."""
+        now = round(self._engine.snapshot().rapid_set * 100)
+        place = min(range(len(RAPIDS)), key=lambda i: abs(RAPIDS[i] - now))
+        self._engine.set_rapid(RAPIDS[min(max(place + by, 0), len(RAPIDS) - 1)] / 100)
 
     def toggle_single_block(self) -> None:
         """Stops at block ends, or no more."""

@@ -38,6 +38,13 @@ def find_block(lines: Sequence[str], text: str) -> int | None:
     return None
 
 
+def find_text(lines: Sequence[str], text: str, after: int) -> int | None:
+    """The next source line behind `after` that contains a text in any case; from the top where there is none."""
+    wanted = text.strip().upper()
+    order = (range(after, len(lines)), range(min(after, len(lines))))
+    return next((index + 1 for part in order for index in part if wanted in lines[index].upper()), None)
+
+
 class ProgramView:
     """Follows the current block by flipping pages; a chosen block stays until the operator lets it go."""
 

@@ -201,7 +201,7 @@ def test_a_job_begins_where_the_machine_stands(engine: SimEngine, job: Callable[
     settled(engine, lambda: engine.jog("Y", -5.0))
     done = run(engine)
     assert done.state is State.DONE and done.revision == revision + 1
-    seen = engine.job()
+    seen = engine.current_job()
     assert seen is not None and seen.extents["Y"] == (-5.0, 10.0), "checked again from there"
     assert commands(done) == [0.0, 0.0, 0.0]
 

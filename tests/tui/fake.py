@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -9,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnc_front.diagnostics import Diagnostic
-from cnc_front.engine import AxisValues, Job, PathPlot, Snapshot, State
+from cnc_front.engine import AxisValues, Job, Mode, PathPlot, Snapshot, State, Switches
 from cnc_front.errors import CompileError
 from cnc_front.outcome import Outcome
+from cnc_front.search import Start
 from cnc_front.service import Service
 
 PROGRAM = """\
@@ -41,6 +43,23 @@ def make_job(lines: list[str] | None = None, points: int = 401) -> Job:
     plot = PathPlot(place, owner, np.zeros(points, bool))
     extents = {"X": (-50.0, 50.0), "Y": (-30.0, 30.0), "Z": (-2.0, 5.0)}
     return Job("bracket_07.nc", "bracket_07.nc", lines or PROGRAM.splitlines(), plot, extents, 0.01)
+
+
+START: Start = {
+    "line": 7,
+    "modal": "G1 G17 G90 G21 G94 G40 G49 G64 G54",
+    "machine": {"X": 49.0, "Y": -8.0, "Z": -2.0},
+    "program": {"X": 49.0, "Y": -8.0, "Z": -2.0},
+    "shift": {"X": 0.0, "Y": 0.0, "Z": 0.0},
+    "in_spindle": 3,
+    "tool": 3,
+    "tool_length": 0.0,
+    "spindle": 3,
+    "speed": 12000.0,
+    "flood": True,
+    "mist": False,
+    "feed": 2400.0,
+}
 
 
 def axis(name: str, actual: float, to_go: float, following_um: float, fill: float) -> AxisValues:
@@ -113,8 +132,53 @@ class FakeEngine:
         self.calls.append(f"load {path}")
         if path.endswith("bad.nc"):
             raise CompileError([Diagnostic(path, 4, 11, 12, "GC801", "axis W is not configured", "choose a machine")])
-        self.show(state=State.READY, path_total_mm=1940.8, axes=AXES)
+        self.show(state=State.READY, path_total_mm=1940.8, axes=AXES, revision=self.now.revision + 1)
         return self.job
+
+    def current_job(self) -> Job | None:
+        return self.job if self.now.revision else None
+
+    def search(self, block: str) -> Start:
+        self.calls.append(f"search {block}")
+        if block == "N77":
+            raise CompileError([Diagnostic("bracket_07.nc", 1, 1, 2, "GC617", "N77 is not there", "")])
+        return START
+
+    def start_at(self, block: str) -> Job:
+        self.calls.append(f"start at {block}")
+        self.show(revision=self.now.revision + 1, start_line=7 if block else 0)
+        return self.job
+
+    def set_rapid(self, factor: float) -> None:
+        self._did(f"rapid {factor:g}", rapid_set=factor)
+
+    def set_switches(self, switches: Switches) -> None:
+        on = [name for name in ("optional_stop", "skip", "dry_run", "program_test") if getattr(switches, name)]
+        self._did(f"switches {' '.join(on)}".strip(), switches=switches)
+
+    def jog(self, axis: str, distance: float) -> None:
+        self._did(f"jog {axis} {distance:g}", mode=Mode.MANUAL)
+
+    def home(self, axes: Sequence[str]) -> None:
+        self._did(f"home {' '.join(axes)}", mode=Mode.MANUAL)
+
+    def set_zero(self, axis: str) -> None:
+        self._did(f"zero {axis}")
+
+    def force_input(self, number: int, on: bool) -> None:
+        mask = 1 << (number - 1)
+        self._did(f"input {number} {on}", inputs=self.now.inputs | mask if on else self.now.inputs & ~mask)
+
+    def check_mdi(self, text: str) -> None:
+        self.calls.append(f"check {text}")
+        if "Q" in text:
+            raise CompileError(
+                [Diagnostic("MDI", 1, text.index("Q") + 1, 9, "GC214", "address Q is not used", "drop it")]
+            )
+        self.show(mdi=text)
+
+    def start_mdi(self) -> None:
+        self._did(f"mdi {self.now.mdi}", state=State.RUNNING, mode=Mode.MDI, mdi="")
 
     def start(self) -> None:
         self._did("start", state=State.RUNNING)

@@ -14,7 +14,7 @@ from textual import events
 from textual.pilot import Pilot
 
 from tests.tui.fake import FakeEngine
-from tui.app import Switches, Terminal
+from tui.app import Terminal
 from tui.look import make_look
 from tui.words import Words
 
@@ -89,7 +89,6 @@ def play(script: Script, engine: FakeEngine | None = None, size: tuple[int, int]
             acting,
             make_look(theme, glyphs),
             Words(look.get("language", "en")),
-            switches=Switches(optional_stop=look.get("optional_stop", False)),
             clock=lambda: datetime(2026, 3, 4, 12, 31, 7),
             paced=False,
             settle_s=0.0,

@@ -147,7 +147,7 @@ def test_a_motion_key_that_waited_is_dropped() -> None:
 
 def test_a_question_ignores_keys_that_were_meant_for_the_screen_before() -> None:
     async def script(stage: Stage) -> None:
-        stage.app._settle_s = 60.0
+        stage.app.settle_s = 60.0
         await stage.press("ctrl+q", "enter")
         assert stage.app.is_running and len(stage.app.screen_stack) == 2
         await stage.press("escape")

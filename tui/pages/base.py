@@ -57,6 +57,10 @@ class Page:
     def next(self) -> None:
         """The operator wants the next message."""
 
+    def start(self, waited_s: float) -> bool:
+        """`r`: True if the page has something of its own to start, or to say about it; `waited_s`: age of the key."""
+        return False
+
     def scroll(self, by: int) -> None:
         """Arrows and page keys, in rows."""
         self.top += by
