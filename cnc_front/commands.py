@@ -247,6 +247,12 @@ def tune(options: argparse.Namespace) -> int:
 def compare(options: argparse.Namespace) -> int:
     """`cnc-front compare`."""
     from cnc_front.batch.compare import compare
+    from cnc_front.compare import compare_runs, is_run
+
+    if is_run(options.before) or is_run(options.after):
+        return compare_runs(options)
+    if options.out:
+        raise UsageError("--out is for the comparison of two runs")
 
     return compare(options)
 

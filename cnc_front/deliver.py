@@ -82,9 +82,13 @@ def report_from_recording(recording: str, folder: Path, language: str) -> None:
     """
     from cnc_front.report import write_report
 
+    write_report(measured_report(recording), folder, language)
+
+
+def measured_report(recording: str) -> ReportInput:
+    """All that the report of a recorded run shows; raises CompileError for what is no recording of ours."""
     with content_of(recording):
-        report = _measured_again(open_recording(recording))
-    write_report(report, folder, language)
+        return _measured_again(open_recording(recording))
 
 
 def _measured_again(recorded: Recorded) -> ReportInput:

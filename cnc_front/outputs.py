@@ -28,6 +28,11 @@ def check_recording(path: str, inputs: Iterable[str]) -> Path:
     return target
 
 
+def is_recording(path: Path) -> bool:
+    """Whether a file begins as a recording does."""
+    return _starts_with(path, RECORDING_MAGIC)
+
+
 def check_autocode(path: str, inputs: Iterable[str]) -> Path:
     """The path for an autocode file, or UsageError."""
     target = Path(path)

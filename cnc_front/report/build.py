@@ -128,6 +128,20 @@ def _write_pictures(report: ReportInput, folder: Path) -> None:
             write_png(folder / f"path-{name.lower()}-magnified.png", picture)
 
 
+def path_png(report: ReportInput) -> bytes:
+    """The path in the plane of the first two axes, coloured by its deviation, as PNG."""
+    import cv2
+
+    from toolpaths.raster import path_picture
+
+    limit_um = report.run["verdict"]["tolerance_mm"] * 1e3
+    points, rapid = report.polyline["points"], report.polyline["rapid"]
+    plane = points[:, [0, min(1, points.shape[1] - 1)]]
+    names = (report.axes[0], report.axes[min(1, len(report.axes) - 1)])
+    picture = path_picture(plane, rapid, report.plot_deviation_mm * 1e3, limit_um, axes=names, shown=~gaps(report))
+    return bytes(cv2.imencode(".png", picture)[1])
+
+
 def views(axes: list[str]) -> dict[str, tuple[int, int]]:
     """Pairs of axes that a path is looked at in."""
     pairs = [(a, b) for a in range(min(3, len(axes))) for b in range(a + 1, min(3, len(axes)))]
