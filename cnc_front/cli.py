@@ -14,6 +14,7 @@ from typing import Any
 from cnc_front import VERSION, history_arguments, tune_arguments
 from cnc_front.batch import arguments as batch_arguments
 from cnc_front.errors import CompileError, Exit, UsageError
+from cnc_front.geometry import arguments as geometry_arguments
 
 EXAMPLES = """examples:
   cnc-front run part.nc                          dry-run, verdict on stdout
@@ -101,8 +102,8 @@ def build_parser() -> Parser:
     )
     parser.add_argument("--version", action="version", version=f"cnc-front {VERSION}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
-
-    run = commands.add_parser("run", parents=[compiling, part, keeping], help="dry-run a job and judge it")
+    geometry = geometry_arguments.parent(Parser(add_help=False))
+    run = commands.add_parser("run", parents=[compiling, part, keeping, geometry], help="dry-run a job and judge it")
     run.add_argument("job", metavar="JOB")
     run.add_argument("--override", metavar="SCHEDULE", default="1", help="0.5 or 0:1.0,2.5:0.5 (seconds:factor)")
     run.add_argument("--override-sweep", metavar="A:B:STEP", help="a table of runs at factors, e.g. 0.1:1.5:0.1")
@@ -123,7 +124,7 @@ def build_parser() -> Parser:
     translate.add_argument("--json", action="store_true", help="JSON Lines")
     translate.add_argument("--autocode", action="store_true", help="instructions of a rw_SymPas job or autocode file")
     translate.add_argument("--output", metavar="F.cnc", help="write the autocode file of a rw_SymPas job")
-    report = commands.add_parser("report", parents=[common], help="report from a recording")
+    report = commands.add_parser("report", parents=[common, geometry], help="report from a recording")
     report.add_argument("recording", metavar="RECORDING.mcap")
     report.add_argument("folder", metavar="DIR")
     machine = commands.add_parser("machine", parents=[common], help="check or show a machine file")

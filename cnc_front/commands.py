@@ -9,7 +9,8 @@ import sys
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError, Exit, UsageError
@@ -27,6 +28,10 @@ from cnc_front.jobs import (
     read_job,
 )
 from cnc_front.messages import language_from, text
+
+if TYPE_CHECKING:
+    from cnc_front.geometry.arguments import ReferenceOptions
+    from cnc_front.geometry.checks import Checks
 
 
 def _compile_options(options: argparse.Namespace) -> CompileOptions:
@@ -94,6 +99,7 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     if options.task:
         raise UsageError("--task is for rw_SymPas jobs")
     from cnc_front import outputs
+    from cnc_front.geometry.arguments import reference_options
     from cnc_front.progress import Progress
     from cnc_front.run import RunOptions
     from cnc_front.schedule import parse_schedule
@@ -104,7 +110,8 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     schedule, optimal = parse_schedule(options.override), options.time_optimal
     run_options = RunOptions(schedule, options.max_time, interrupted, progress, time_optimal=optimal)
     run_options = replace(run_options, sweep=parse_sweep(options.override_sweep))
-    inputs = [options.job, options.machine or "", options.stimulus or ""]
+    inputs = [options.job, options.machine or "", options.stimulus or "", options.setup or "", options.reference or ""]
+    about_reference = reference_options(options)
     if options.time_optimal:
         from cnc_front.time_optimal import check_available
 
@@ -115,6 +122,7 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     try:
         job = loaded.load(options)
         run_options = replace(run_options, stimulus=load_stimulus(options.stimulus, options.job, job.machine))
+        checks = _checks(job, options, about_reference)
     except CompileError as error:
         from cnc_front.verdict import failed_object
 
@@ -128,7 +136,7 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     _print_start(job, options)
     from cnc_front.deliver import run_and_write
 
-    result, verdict, run_object = run_and_write(job, run_options, options.tolerance, record, report, language)
+    result, verdict, run_object = run_and_write(job, run_options, options.tolerance, record, report, language, checks)
     progress.end()
     keep_run(run_object, options, verdict.exit)  # before printing: who reads stdout may stop reading
     if options.json:
@@ -139,6 +147,19 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
         colors = sys.stdout.isatty() and not (options.no_color or os.environ.get("NO_COLOR"))
         print(result_text(result, verdict, run_object, language, colors=colors))
     return verdict.exit
+
+
+def _checks(job: CompiledJob, options: argparse.Namespace, reference: ReferenceOptions) -> Checks | None:
+    """The checks against drawing and setup; nothing is loaded for a run without any."""
+    path = options.setup
+    if path is None:
+        beside = Path(job.source.path).with_suffix(".setup.toml")
+        path = str(beside) if beside.is_file() else None
+    if path is None and options.reference is None:
+        return None
+    from cnc_front.geometry.checks import checks_of_job
+
+    return checks_of_job(job, path, options.reference, reference, options.tolerance)
 
 
 def _is_autocode(path: str, language: str | None) -> bool:
@@ -198,9 +219,16 @@ def report(options: argparse.Namespace) -> int:
     """`cnc-front report`: from a recording, without running again."""
     from cnc_front import outputs
     from cnc_front.deliver import report_from_recording
+    from cnc_front.geometry.arguments import reference_options
 
-    folder = outputs.check_report(options.folder, [options.recording])
-    report_from_recording(options.recording, folder, language_from(options.lang))
+    about_reference = reference_options(options)
+    folder = outputs.check_report(options.folder, [options.recording, options.setup or "", options.reference or ""])
+    setup, reference = None, None
+    if options.setup is not None or options.reference is not None:
+        from cnc_front.geometry.checks import loaded
+
+        setup, reference = loaded(options.setup, options.reference, about_reference)
+    report_from_recording(options.recording, folder, language_from(options.lang), setup, reference)
     return Exit.DONE
 
 

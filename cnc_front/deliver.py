@@ -14,12 +14,36 @@ from cnc_front._native import toolpaths as native_paths
 from cnc_front.evidence import evidence_keys, motor_commands
 from cnc_front.jobs import CompiledJob, JobSource, shown
 from cnc_front.recording import RESULT, Recorded, RecordingSink, content_of, open_recording
-from cnc_front.run import RunOptions, RunResult, dry_run
-from cnc_front.verdict import EMPTY, SCHEMA, Verdict, judge, measured_keys, partial_object, run_object, with_findings
+from cnc_front.run import RunOptions, RunResult, Sink, dry_run
+from cnc_front.verdict import (
+    EMPTY,
+    SCHEMA,
+    Reason,
+    Verdict,
+    judge,
+    measured_keys,
+    partial_object,
+    run_object,
+    with_findings,
+)
 
 if TYPE_CHECKING:
+    from cnc_front.geometry.checks import Checks
+    from cnc_front.geometry.reference import Reference
+    from cnc_front.geometry.setup import Setup
     from cnc_front.report import ReportInput
     from cnc_front.time_optimal import TimeOptimal
+
+
+class _Both:
+    """Hands what a run tells to two sinks."""
+
+    def __init__(self, *sinks: Sink | None) -> None:
+        self._sinks = [sink for sink in sinks if sink is not None]
+
+    def write(self, chunk: Any, deviation_mm: Any, happened: Any) -> None:
+        for sink in self._sinks:
+            sink.write(chunk, deviation_mm, happened)
 
 
 def run_and_write(
@@ -29,18 +53,17 @@ def run_and_write(
     record: Path | None,
     report: Path | None,
     language: str,
+    checks: Checks | None = None,
 ) -> tuple[RunResult, Verdict, dict[str, Any]]:
     """The run, its verdict, and the object of design 3.2; files are written before it returns."""
     tolerance = tolerance_mm if tolerance_mm is not None else job.machine.machine.tolerance_mm
-    sink = (
-        RecordingSink(record, job, _metadata(job, options, tolerance, _tolerance_from(tolerance_mm)))
-        if record
-        else None
-    )
+    metadata = _metadata(job, options, tolerance, _tolerance_from(tolerance_mm))
+    metadata |= checks.metadata() if checks else {}
+    sink = RecordingSink(record, job, metadata, checks.attachments() if checks else []) if record else None
     plotting = Plotting(tolerance) if report else None
-    result = dry_run(job, options, sink, plotting)
+    result = dry_run(job, options, _Both(sink, checks), plotting)
     files = {"recording": shown(record) if record else None, "report": shown(report) if report else None}
-    verdict, run = judged(result, tolerance_mm, files)
+    verdict, run = judged(result, tolerance_mm, files, checks)
     if options.sweep:
         from cnc_front.sweep import override_sweep
 
@@ -56,42 +79,55 @@ def run_and_write(
 
         machine, events = job.machine.machine, events_of(result)
         made = plotting.report_input(run, result.summary, job.source, machine, events)
-        made.time_optimal = optimal
+        made.time_optimal, made.checks = optimal, checks
         write_report(made, report, language)
     return result, verdict, run
 
 
 def judged(
-    result: RunResult, tolerance_mm: float | None, files: dict[str, str | None]
+    result: RunResult, tolerance_mm: float | None, files: dict[str, str | None], checks: Checks | None = None
 ) -> tuple[Verdict, dict[str, Any]]:
     """The verdict of a run that is over, and the object of design 3.2; `tolerance_mm` None: that of the machine."""
     machine = result.job.machine.machine
     tolerance = tolerance_mm if tolerance_mm is not None else machine.tolerance_mm
+    found, more = _checked(checks, tolerance)
     named = evidence_keys(result.path, result.tracker, result.summary, machine, tolerance)
-    verdict = with_findings(judge(result, tolerance), named["findings"])
+    verdict = with_findings(judge(result, tolerance, more), named["findings"])
     motors = motor_commands(result.execution.mcu, machine.axis_names)
-    run = run_object(result, verdict, files) | named | {"motor_command": motors}
+    run = run_object(result, verdict, files) | named | found | {"motor_command": motors}
     run["verdict"]["tolerance_from"] = _tolerance_from(tolerance_mm)
     return verdict, run
 
 
-def report_from_recording(recording: str, folder: Path, language: str) -> None:
+def _checked(checks: Checks | None, tolerance_mm: float) -> tuple[dict[str, Any], tuple[Reason, ...]]:
+    """What drawing and setup show: keys of the object of a run, reasons for its verdict."""
+    if checks is None:
+        return {}, ()
+    from cnc_front.geometry.judging import geometry_reasons
+
+    found = checks.finish()
+    return found, geometry_reasons(found, tolerance_mm)
+
+
+def report_from_recording(
+    recording: str, folder: Path, language: str, setup: Setup | None = None, reference: Reference | None = None
+) -> None:
     """Builds the report of a recorded run; the figures are measured again from its columns.
 
     Raises CompileError for what is no recording of ours, OSError where the report cannot be written.
     """
     from cnc_front.report import write_report
 
-    write_report(measured_report(recording), folder, language)
+    write_report(measured_report(recording, setup, reference), folder, language)
 
 
-def measured_report(recording: str) -> ReportInput:
+def measured_report(recording: str, setup: Setup | None = None, reference: Reference | None = None) -> ReportInput:
     """All that the report of a recorded run shows; raises CompileError for what is no recording of ours."""
     with content_of(recording):
-        return _measured_again(open_recording(recording))
+        return _measured_again(open_recording(recording), setup, reference)
 
 
-def _measured_again(recorded: Recorded) -> ReportInput:
+def _measured_again(recorded: Recorded, setup: Setup | None, reference: Reference | None) -> ReportInput:
     metadata = recorded.metadata
     machine = native_kernel.Machine.parse(recorded.machine_text.encode(), metadata["machine_path"])
     source = JobSource(metadata["job_path"], recorded.job, "din66025")
@@ -107,11 +143,13 @@ def _measured_again(recorded: Recorded) -> ReportInput:
         passages=wanted,
     )
     plotting.begin(path, tracker)
-    samples = _measure(recorded, tracker, plotting)
+    checks = _recorded_checks(recorded, machine, setup, reference)
+    samples = _measure(recorded, tracker, plotting, checks)
     summary = tracker.finish()
-    run = _run_of(recorded, source, machine, summary, samples)
+    run = _run_of(recorded, source, machine, summary, samples) | _checked(checks, 0.0)[0]
     run |= evidence_keys(path, tracker, summary, machine, plotting.tolerance_mm)
     report = plotting.report_input(run, summary, source, machine, sorted(recorded.events, key=_order))
+    report.checks = checks
     if wanted:
         report.time_optimal = _optimal(recorded.sequence, path, tracker, machine, samples)
         run["time_optimal_s"] = report.time_optimal.seconds
@@ -132,13 +170,27 @@ def _optimal(
     return time_optimal(sequence, path, tracker, machine, samples)
 
 
-def _measure(recorded: Recorded, tracker: native_paths.Tracker, plotting: Plotting) -> int:
+def _recorded_checks(
+    recorded: Recorded, machine: native_kernel.Machine, setup: Setup | None, reference: Reference | None
+) -> Checks | None:
+    if setup is None and reference is None and not recorded.files:
+        return None
+    from cnc_front.geometry.checks import recorded_checks
+
+    return recorded_checks(machine, recorded.metadata, recorded.files, setup, reference)
+
+
+def _measure(recorded: Recorded, tracker: native_paths.Tracker, plotting: Plotting, checks: Checks | None) -> int:
     samples = 0
     for columns in recorded.columns():
         names = ("dp", "load", "rp", "factor", "v_plan", "entry", "flags")
         deviation = tracker.feed_columns(columns["first_sample"], *(columns[name] for name in names))
         plotting.add(deviation)
+        if checks is not None:
+            checks.feed_recorded(columns, recorded.events)
         samples = columns["first_sample"] + len(deviation)
+    if checks is not None:
+        checks.feed_recorded(None, recorded.events)
     return samples
 
 

@@ -23,6 +23,44 @@ TEXTS: dict[str, tuple[str, str]] = {
         "the run ended {missing_mm:.3f} mm before the end of the path, at line {line}",
         "der Lauf endete {missing_mm:.3f} mm vor dem Bahnende, in Zeile {line}",
     ),
+    "reference": (
+        "deviation from the drawing {max_um:.1f} um > {limit_um:.1f} um at line {line}",
+        "Abweichung von der Zeichnung {max_um:.1f} um > {limit_um:.1f} um in Zeile {line}",
+    ),
+    "reference_missing": (
+        "{missing_mm:.2f} mm of the drawing ({missing_pct:.2f} %) were not driven",
+        "{missing_mm:.2f} mm der Zeichnung ({missing_pct:.2f} %) wurden nicht gefahren",
+    ),
+    "reference_far": (
+        "no cutting move comes within {capture_mm:g} mm of the drawing; see --reference-at, -unit, -offset",
+        "kein Vorschubsatz kommt der Zeichnung auf {capture_mm:g} mm nahe; siehe --reference-at, -unit, -offset",
+    ),
+    "reference_side": (
+        "{length_mm:.2f} mm were driven on the wrong side of the drawing",
+        "{length_mm:.2f} mm wurden auf der falschen Seite der Zeichnung gefahren",
+    ),
+    "collision": (
+        "{kind} {body}, tool {tool}, at line {line}, {t_s:.3f} s: {size_mm:.3f} mm",
+        "{kind} {body}, Werkzeug {tool}, in Zeile {line}, {t_s:.3f} s: {size_mm:.3f} mm",
+    ),
+    "tool_fixture": ("tool meets fixture", "Werkzeug trifft Spannmittel"),
+    "holder_fixture": ("holder meets fixture", "Halter trifft Spannmittel"),
+    "holder_stock": ("holder or shank meets", "Halter oder Schaft trifft"),
+    "rapid_stock": ("rapid through", "Eilgang durch"),
+    "flutes_stock": ("cut deeper than the flutes:", "tiefer als die Schneiden:"),
+    "stock": ("stock", "Rohteil"),
+    "gouge": (
+        "gouge of {max_um:.1f} um > {limit_um:.1f} um at X {X:.3f} Y {Y:.3f}, line {line}",
+        "Untermaß {max_um:.1f} um > {limit_um:.1f} um bei X {X:.3f} Y {Y:.3f}, Zeile {line}",
+    ),
+    "rest": (
+        "rest of {max_um:.1f} um > {limit_um:.1f} um at X {X:.3f} Y {Y:.3f}, line {line}",
+        "Restmaterial {max_um:.1f} um > {limit_um:.1f} um bei X {X:.3f} Y {Y:.3f}, Zeile {line}",
+    ),
+    "from_drawing": ("from the drawing", "von der Zeichnung"),
+    "not_driven": ("not driven", "nicht gefahren"),
+    "removed": ("material removed", "abgetragen"),
+    "against_target": ("against the target", "gegen das Fertigteil"),
     "alarm": (
         "alarm {name} {axis} at {t_s:.3f} s, line {line}",
         "Störung {name} {axis} bei {t_s:.3f} s, Zeile {line}",
@@ -203,7 +241,10 @@ TEXTS: dict[str, tuple[str, str]] = {
 
 
 def text(id: str, language: str, **values: Any) -> str:
-    """The message in that language with its values filled in."""
+    """The message in that language with its values filled in; `kind` and `body` may be ids of words."""
+    for key in ("kind", "body"):
+        if values.get(key) in TEXTS:
+            values[key] = TEXTS[values[key]][LANGUAGES.index(language)]
     return TEXTS[id][LANGUAGES.index(language)].format(**values)
 
 

@@ -33,13 +33,16 @@ JOB, MACHINE, SEQUENCE, RESULT = "job", "machine.toml", "sequence.npz", "result.
 class RecordingSink:
     """Writes a run into a recording. A run that is cut off leaves a file that can still be read."""
 
-    def __init__(self, path: Path, job: CompiledJob, metadata: dict[str, str]) -> None:
-        """Creates the file; raises OSError."""
+    def __init__(
+        self, path: Path, job: CompiledJob, metadata: dict[str, str], more: list[tuple[str, str, bytes]] | None = None
+    ) -> None:
+        """Creates the file, with `more` attachments (name, media type, bytes); raises OSError."""
         machine = job.machine.machine
         attachments = [
             (JOB, "text/plain", job.source.data),
             (MACHINE, "application/toml", job.machine.text.encode()),
             (SEQUENCE, "application/x-npz", _pack(job.program.sequence())),
+            *(more or []),
         ]
         self.path = path
         self._writer = native.Writer(
@@ -80,6 +83,8 @@ class Recorded:
     result: dict[str, Any] | None = None
     events: list[dict[str, Any]] = field(default_factory=list)
     damage: str | None = None
+    #: attachments beside job, machine and sequence
+    files: dict[str, bytes] = field(default_factory=dict)
     _reader: Any = None
     _first: Columns | None = None
 
@@ -118,7 +123,8 @@ def open_recording(path: str) -> Recorded:
         sequence = _unpack(found[SEQUENCE])
         job, machine, metadata = found[JOB], found[MACHINE].decode(), found["run"]
         result = json.loads(found[RESULT]) if RESULT in found else None
-    return Recorded(path, job, machine, sequence, metadata, result, events, reader.damage, reader, first)
+    files = {name: bytes(found[name]) for name in found if name not in (JOB, MACHINE, SEQUENCE, RESULT, "run")}
+    return Recorded(path, job, machine, sequence, metadata, result, events, reader.damage, files, reader, first)
 
 
 #: What reading a sound file with senseless content ends in.

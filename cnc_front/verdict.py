@@ -36,14 +36,15 @@ class Verdict:
     tolerance_mm: float
 
 
-def judge(result: RunResult, tolerance_mm: float | None) -> Verdict:
-    """Design 3.1: tolerance on the load side, set point on the path, no alarm, the job ran to its end."""
+def judge(result: RunResult, tolerance_mm: float | None, more: tuple[Reason, ...] = ()) -> Verdict:
+    """Design 3.1: tolerance on the load side, set point on the path, no alarm, the job ran to its end; and what else
+    was found (`more`)."""
     limit = tolerance_mm if tolerance_mm is not None else result.job.machine.machine.tolerance_mm
     stopped = _why_stopped(result)
     if stopped is not None:
         code = Exit.INTERRUPTED if result.execution.end is End.INTERRUPTED else Exit.STOPPED
-        return Verdict("FAIL", (stopped, *_findings(result, limit)), code, limit)
-    findings = _findings(result, limit)
+        return Verdict("FAIL", (stopped, *_findings(result, limit), *more), code, limit)
+    findings = (*_findings(result, limit), *more)
     if findings:
         return Verdict("FAIL", findings, Exit.CHECK_FAILED, limit)
     warnings = len(result.job.warnings)
@@ -100,6 +101,7 @@ KEYS = (
     *("commands", "path_length_mm", "merged", "deviation", "following_error", "feed", "override", "time_optimal_s"),
     *("alarms", "error_register", "output", "files", "diagnostics", "stimulus"),
     *("findings", "circularity", "axes", "motor_command", "override_sweep"),
+    *("reference", "material", "collisions"),
 )
 EMPTY: dict[str, Any] = dict.fromkeys(KEYS)
 SCHEMA = "cnc-front/run/1"

@@ -87,18 +87,18 @@ def path_picture(
     if len(points) == 0:
         return image
     frame = Frame.around(points, width, height)
-    _ruler(image, frame, axes)
+    draw_ruler(image, frame, axes)
     there = np.ones(len(points), bool) if shown is None else shown
     drawn, factor = points, 0.0
     if signed_um is not None:
         factor = magnify or magnification(signed_um, min(width, height) * MAGNIFIED_SHARE / frame.scale)
         drawn = magnified(points, np.asarray(signed_um, dtype=np.float64) * 1e-3, factor)
-        _draw(image, frame, points, there, TODO, 1)
-    _draw(image, frame, points, rapid & there, TODO, 1)
+        draw_pieces(image, frame, points, there, TODO, 1)
+    draw_pieces(image, frame, points, rapid & there, TODO, 1)
     grade = grades(deviation_um, limit_um)
     for value, (colour, thickness) in enumerate(PENS):
-        _draw(image, frame, drawn, (grade == value) & ~rapid & there, colour, thickness)
-    _scale_bar(image, frame.scale)
+        draw_pieces(image, frame, drawn, (grade == value) & ~rapid & there, colour, thickness)
+    draw_scale_bar(image, frame.scale)
     _legend(image, limit_um, factor)
     return image
 
@@ -120,7 +120,7 @@ def magnified(points: Points, signed_mm: Points, factor: float) -> Points:
     return points + left * (np.nan_to_num(signed_mm) * factor)[:, None]
 
 
-def _draw(
+def draw_pieces(
     image: Image, frame: Frame, points: Points, chosen: NDArray[np.bool_], colour: tuple[int, int, int], thickness: int
 ) -> None:
     """The chosen pieces; piece k joins vertex k-1 and k."""
@@ -139,7 +139,7 @@ def _pieces(pixels: NDArray[np.int32], chosen: NDArray[np.bool_]) -> list[NDArra
     return [pixels[a : b + 1] for a, b in zip(starts, ends, strict=True)]
 
 
-def _ruler(image: Image, frame: Frame, axes: tuple[str, str]) -> None:
+def draw_ruler(image: Image, frame: Frame, axes: tuple[str, str]) -> None:
     """Grid lines at round millimetres, their values and the names of the axes."""
     import cv2
 
@@ -149,14 +149,14 @@ def _ruler(image: Image, frame: Frame, axes: tuple[str, str]) -> None:
     for x in _marks(frame.centre_mm[0], (right - LEFT) / 2 / frame.scale, step):
         at = round(frame.centre[0] + (x - frame.centre_mm[0]) * frame.scale)
         cv2.line(image, (at, TOP), (at, base), GRID, 1)
-        _text(image, f"{x:g}", (at, base + 20), centred=True)
+        draw_text(image, f"{x:g}", (at, base + 20), centred=True)
     for y in _marks(frame.centre_mm[1], (base - TOP) / 2 / frame.scale, step):
         at = round(frame.centre[1] - (y - frame.centre_mm[1]) * frame.scale)
         cv2.line(image, (LEFT, at), (right, at), GRID, 1)
-        _text(image, f"{y:g}", (8, at + 5))
+        draw_text(image, f"{y:g}", (8, at + 5))
     cv2.rectangle(image, (LEFT, TOP), (right, base), TODO, 1)
-    _text(image, f"{axes[0]} mm", (right - 60, base + 40))
-    _text(image, f"{axes[1]} mm", (8, TOP - 14))
+    draw_text(image, f"{axes[0]} mm", (right - 60, base + 40))
+    draw_text(image, f"{axes[1]} mm", (8, TOP - 14))
 
 
 def _marks(middle: float, half: float, step: float) -> list[float]:
@@ -165,14 +165,15 @@ def _marks(middle: float, half: float, step: float) -> list[float]:
     return [round(k * step, 9) for k in range(first, last + 1)]
 
 
-def _scale_bar(image: Image, scale: float) -> None:
+def draw_scale_bar(image: Image, scale: float) -> None:
+    """A round length in the lower left corner."""
     import cv2
 
     height, width = image.shape[:2]
     length = _round_down(width / 6 / scale)
     base = height - 20
     cv2.line(image, (LEFT, base), (LEFT + round(length * scale), base), TEXT, 2, cv2.LINE_AA)
-    _text(image, f"{length:g} mm", (LEFT, base - 8))
+    draw_text(image, f"{length:g} mm", (LEFT, base - 8))
 
 
 def _legend(image: Image, limit_um: float, factor: float) -> None:
@@ -184,13 +185,14 @@ def _legend(image: Image, limit_um: float, factor: float) -> None:
     x, base = width - RIGHT - 4 * 150, height - 20
     for text, (colour, thickness) in zip(texts, PENS, strict=True):
         cv2.line(image, (x, base - 5), (x + 24, base - 5), colour, thickness, cv2.LINE_AA)
-        _text(image, text, (x + 30, base))
+        draw_text(image, text, (x + 30, base))
         x += 150
     if factor:
-        _text(image, f"deviation x {factor:g}", (width // 2 - 160, base))
+        draw_text(image, f"deviation x {factor:g}", (width // 2 - 160, base))
 
 
-def _text(image: Image, text: str, at: tuple[int, int], *, centred: bool = False) -> None:
+def draw_text(image: Image, text: str, at: tuple[int, int], *, centred: bool = False) -> None:
+    """Small text, its lower left corner (or middle) at a pixel."""
     import cv2
 
     size, _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.5, 1)

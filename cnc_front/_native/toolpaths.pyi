@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from cnc_front._native.motion_kernel import Chunk
 
-__all__ = ["Path", "Tracker"]
+__all__ = ["Chords", "HeightMap", "Nearest", "Path", "Tracker"]
 
 @final
 class Path:
@@ -56,3 +56,38 @@ class Tracker:
     def blocks(self) -> dict[str, NDArray[Any]]: ...
     def evidence(self) -> dict[str, Any]: ...
     def series(self) -> dict[str, Any]: ...
+
+_Chords = tuple[NDArray[np.float64], NDArray[np.uint64], NDArray[np.uint64]]
+
+@final
+class Chords:
+    def __new__(cls, tolerance_mm: float) -> Chords: ...
+    def feed(self, points: NDArray[np.float64], tags: NDArray[np.uint64], first_sample: int) -> _Chords: ...
+    def finish(self) -> _Chords: ...
+
+@final
+class HeightMap:
+    floor: float
+    def __new__(cls, x0: float, y0: float, step: float, z: NDArray[np.float64]) -> HeightMap: ...
+    def z(self) -> NDArray[np.float64]: ...
+    def line(self) -> NDArray[np.uint32]: ...
+    def cut(
+        self,
+        moves: NDArray[np.float64],
+        lines: NDArray[np.uint32],
+        radius: float,
+        corner: float,
+        margin: float | None,
+        bodies: Sequence[tuple[float, float]],
+    ) -> NDArray[np.float64]: ...
+    def probe(self, moves: NDArray[np.float64], radius: float, corner: float) -> NDArray[np.float64]: ...
+    def raise_mesh(self, triangles: NDArray[np.float64], grow: float) -> None: ...
+
+@final
+class Nearest:
+    def __new__(cls, kinds: NDArray[np.uint8], data: NDArray[np.float64]) -> Nearest: ...
+    def find(
+        self, points: NDArray[np.float64]
+    ) -> tuple[
+        NDArray[np.float64], NDArray[np.float64], NDArray[np.uint32], NDArray[np.bool_], NDArray[np.float64]
+    ]: ...

@@ -15,6 +15,7 @@ from cnc_front.outputs import REPORT_FILE, REPORT_MARK
 from cnc_front.recording import VOLATILE
 from cnc_front.report import evidence
 from cnc_front.report.data import ReportInput, block_table, findings, gaps, plot_data, statistics, worst_vertices
+from cnc_front.report.geometry import sections, write_pictures
 from cnc_front.report.limits import limit_rows, limit_words
 from cnc_front.report.words import WORDS
 
@@ -31,7 +32,8 @@ def write_report(report: ReportInput, folder: Path, language: str) -> None:
     figures = report_json(report, findings(report, rows, vertices))
     data = plot_data(report, rows, vertices)
     # first the page, which marks the folder as ours: a later run may then replace what an interrupted one left
-    (folder / REPORT_FILE).write_text(html(report, data, figures, language), encoding="utf-8")
+    inline = write_pictures(report, folder / "png")
+    (folder / REPORT_FILE).write_text(html(report, data, figures, language, inline), encoding="utf-8")
     (folder / "report.json").write_text(json.dumps(figures, indent=1, allow_nan=False), encoding="utf-8")
     _write_blocks(folder / "blocks.csv", rows)
     _write_pictures(report, folder / "png")
@@ -58,13 +60,16 @@ def report_json(report: ReportInput, worst: list[dict[str, Any]]) -> dict[str, A
     }
 
 
-def html(report: ReportInput, data: dict[str, Any], figures: dict[str, Any], language: str) -> str:
-    """The page: everything inline, nothing from the network."""
+def html(
+    report: ReportInput, data: dict[str, Any], figures: dict[str, Any], language: str, inline: dict[str, str]
+) -> str:
+    """The page: everything inline (pictures as data), nothing from the network."""
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     room = files("cnc_front.report")
     template = environment.from_string((room / "report.html.j2").read_text(encoding="utf-8"))
+    geometry = environment.from_string((room / "geometry.html.j2").read_text(encoding="utf-8"))
     # named findings are told one by one below the reasons
     reasons = [reason for reason in report.run["verdict"]["reasons"] if reason["id"] != "named_findings"]
     units = dict(zip(report.axes, report.units, strict=True))
@@ -93,6 +98,7 @@ def html(report: ReportInput, data: dict[str, Any], figures: dict[str, Any], lan
         axes=report.axes,
         findings=figures["findings"],
         statistics=figures["statistics"],
+        geometry=geometry.render(g=sections(report, language, inline)),
     )
 
 

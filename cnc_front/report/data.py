@@ -70,6 +70,8 @@ class ReportInput:
     circles: list[dict[str, Any]] = field(default_factory=list)
     limits: LimitData = field(default_factory=LimitData)
     time_optimal: TimeOptimal | None = None
+    #: cnc_front.geometry.checks.Checks: drawing and setup, if there were any
+    checks: Any = None
 
 
 def block_table(report: ReportInput) -> list[dict[str, Any]]:

@@ -6,19 +6,23 @@
 //! [`Tracker`] walks both traces along it with a foot point that moves forward only.
 
 mod blocks;
+mod chords;
 mod deviation;
 mod evidence;
 mod feed;
 mod follower;
 mod limits;
+mod nearest;
 mod passages;
 mod path;
+mod removal;
 mod segment;
 mod sequence;
 mod series;
 mod tracker;
 
 pub use blocks::BlockStats;
+pub use chords::{Chord, Chords};
 pub use deviation::{DeviationSummary, Worst};
 pub use evidence::{
     AxisFit, AxisShare, BlockFit, Evidence, Exchange, ExchangeKind, HARMONICS, HISTOGRAM_BINS, MOTION, Round, RoundBin,
@@ -26,8 +30,10 @@ pub use evidence::{
 };
 pub use feed::{FeedSummary, OverrideSummary};
 pub use limits::{BlockLimit, Tally};
+pub use nearest::{Found, Near, Nearest, Shape};
 pub use passages::{Passage, Passages};
 pub use path::{Block, Merged, Path, Polyline};
+pub use removal::{HeightMap, Met, Move, Passed, Profile, Watch};
 pub use sequence::{PathError, SequenceView};
 pub use series::{LengthSeries, MinMax, TimeSeries};
 pub use tracker::{Chunk, FollowingError, PerSample, Summary, Tracker, TrackerOptions};

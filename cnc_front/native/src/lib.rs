@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 mod chunk;
 mod debug;
 mod evidence;
+mod geometry;
 mod kernel;
 mod machine;
 mod motion;
@@ -15,6 +16,7 @@ mod record;
 mod resources;
 mod stimulus;
 mod sympas;
+mod toml;
 
 /// Adds a submodule and makes `from cnc_front._native.NAME import X` work.
 fn submodule(parent: &Bound<'_, PyModule>, name: &str, fill: fn(&Bound<'_, PyModule>) -> PyResult<()>) -> PyResult<()> {
@@ -42,5 +44,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     submodule(module, "gcode", program::fill)?;
     submodule(module, "sympas", sympas::fill)?;
     submodule(module, "toolpaths", paths::fill)?;
-    submodule(module, "recording", record::fill)
+    submodule(module, "recording", record::fill)?;
+    submodule(module, "files", toml::fill)
 }

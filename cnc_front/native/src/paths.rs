@@ -14,7 +14,8 @@ use crate::chunk::Chunk;
 
 pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Path>()?;
-    module.add_class::<Tracker>()
+    module.add_class::<Tracker>()?;
+    crate::geometry::fill(module)
 }
 
 /// The path as programmed, before merging.

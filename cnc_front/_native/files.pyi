@@ -1,0 +1,3 @@
+__all__ = ["toml_values"]
+
+def toml_values(text: str) -> list[tuple[list[str], str, str, int, int]]: ...
