@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from cnc_front.load_check import LoadCheck
     from cnc_front.outcome import Outcome
     from cnc_front.search import Start
     from cnc_front.service import Service
@@ -164,6 +165,7 @@ class Job:
     extents: dict[str, tuple[float, float]]
     tolerance_mm: float
     warnings: tuple[str, ...] = field(default=())
+    check: LoadCheck | None = None
 
 
 class Engine(Protocol):

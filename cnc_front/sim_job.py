@@ -17,6 +17,7 @@ from cnc_front._native import toolpaths as native_paths
 from cnc_front.engine import Job, PathPlot
 from cnc_front.execution import End, Execution
 from cnc_front.jobs import CompiledJob, CompileOptions, JobSource, MachineFile, StimulusFile, compile_job
+from cnc_front.load_check import load_check
 
 #: Chords of the plotted path deviate by at most this, mm; and it has at most so many points.
 CHORD_MM = 0.01
@@ -77,14 +78,16 @@ def load_source(
     line = programmed.polyline(CHORD_MM, MAX_POINTS)
     blocks = programmed.blocks()
     names = list(compiled.machine.machine.axis_names)
+    extents = dict(zip(names, programmed.extents, strict=True))
     view = Job(
         path=source.path,
         name=Path(source.path).name,
         lines=source.text().splitlines(),
         plot=_plot(line, names),
-        extents=dict(zip(names, programmed.extents, strict=True)),
+        extents=extents,
         tolerance_mm=compiled.machine.machine.tolerance_mm,
         warnings=tuple(f"{d.line}:{d.column}: {d.id}: {d.message}" for d in compiled.warnings),
+        check=load_check(compiled, extents),
     )
     return LoadedJob(
         compiled,

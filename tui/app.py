@@ -155,6 +155,7 @@ class Terminal(MotionKeys):
             self.picture.driven(*self.engine.new_deviation(self.picture.reached))
         self.messages.watch(shown, self.clock())
         self.keeper.watch(shown, self.clock())
+        self.jobs.queue.watch(shown.snapshot, self.engine.outcome())
         width, height = self.size
         small = width < SMALLEST[0] or height < SMALLEST[1]
         text, style, more = self.messages.current(shown, self.operation.is_armed)
@@ -217,17 +218,19 @@ class Terminal(MotionKeys):
         if job is None:
             return
         self.job = job
-        self._checked(Check(job.name, job))
+        self.jobs.check = Check(job.name, job)
         self.picture.take(job)
         self.program.take(job.lines)
 
-    def _checked(self, check: Check) -> None:
+    @property
+    def jobs(self) -> JobsPage:
+        """The page with the load check and the queue."""
         page = self.pages["jobs"]
-        if isinstance(page, JobsPage):
-            page.check = check
+        assert isinstance(page, JobsPage)
+        return page
 
     def _refused(self, path: str, findings: tuple[Diagnostic, ...]) -> None:
-        self._checked(Check(path, None, findings))
+        self.jobs.check = Check(path, None, findings)
         errors = [finding for finding in findings if not finding.is_warning] or list(findings)
         if errors:
             first = errors[0]

@@ -1,0 +1,174 @@
+"""The jobs screen: lists, load check, and a queue that runs one job after the other."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+from cnc_front.engine import State
+from cnc_front.history import Filter, History
+from cnc_front.sim import SimEngine
+from tests.tui.ended import ended
+from tests.tui.fake import FakeEngine
+from tests.tui.stage import NARROW, WIDE, Stage, play, same_frame
+from tui.archive import Archive
+from tui.job_queue import JobQueue
+from tui.words import Words
+
+GOOD = "N10 G90 G21 G17\nN20 G1 X10 F3000\nN30 G1 X0\nN40 M30\n"
+BAD = "N10 G1 X5\nN20 M30\n"
+
+
+def parts(folder: Path) -> dict[str, Path]:
+    """Three good jobs, one that does not compile, one that fails its tolerance."""
+    files = {}
+    for name, text in (("a.nc", GOOD), ("bad.nc", BAD), ("b.nc", GOOD)):
+        files[name] = folder / name
+        files[name].write_text(text)
+    tight = folder / "tight"
+    tight.mkdir()
+    machine = SimEngine()._machine.bench.file.text
+    (tight / "machine.toml").write_text(machine.replace("tolerance_mm = 0.05", "tolerance_mm = 1e-6"))
+    files["tight.nc"] = tight / "tight.nc"
+    files["tight.nc"].write_text(GOOD)
+    return files
+
+
+def run(queue: JobQueue, engine: SimEngine, seconds: float = 60.0) -> None:
+    """Looks at the engine as the terminal does, until the queue is through."""
+    deadline = time.monotonic() + seconds
+    queue.start()
+    while queue.is_active or queue._current is not None:
+        assert time.monotonic() < deadline, [(entry.name, entry.state) for entry in queue.entries]
+        queue.watch(engine.snapshot(), engine.outcome())
+        time.sleep(0.005)
+
+
+def test_one_that_fails_does_not_stop_the_rest_unless_asked(tmp_path: Path) -> None:
+    files = parts(tmp_path)
+    engine, said = SimEngine(speed=0), list[str]()
+    queue = JobQueue(engine, Words("en"), said.append)
+    for name in ("a.nc", "bad.nc", "tight.nc", "b.nc"):
+        queue.add(str(files[name]))
+    run(queue, engine)
+    assert [entry.verdict for entry in queue.entries] == ["PASS", "ERROR", "FAIL", "PASS"]
+    assert queue.entries[1].detail.startswith("1:") and "um" in queue.entries[0].detail
+    assert said == ["Queue done: 2 of 4 good."]
+    queue.stops_at_failure = True
+    run(queue, engine)
+    assert [entry.verdict for entry in queue.entries] == ["PASS", "ERROR", "", ""]
+    assert "bad.nc: ERROR" in said[-1]
+    engine.close()
+
+
+def test_a_reset_ends_the_queue(tmp_path: Path) -> None:
+    slow = tmp_path / "slow.nc"
+    slow.write_text(GOOD.replace("F3000", "F60"))
+    engine = SimEngine(speed=1)
+    queue = JobQueue(engine, Words("en"), lambda _: None)
+    queue.add(str(slow))
+    queue.add(str(slow))
+    queue.start()
+    deadline = time.monotonic() + 20
+    while engine.snapshot().path_done_mm < 0.1:
+        assert time.monotonic() < deadline
+        queue.watch(engine.snapshot(), engine.outcome())
+        time.sleep(0.01)
+    engine.reset()
+    while queue.is_active or queue._current is not None:
+        assert time.monotonic() < deadline
+        queue.watch(engine.snapshot(), engine.outcome())
+        time.sleep(0.01)
+    assert [(entry.verdict, entry.state) for entry in queue.entries] == [("ABORT", "done"), ("", "waiting")]
+    assert engine.snapshot().state is State.ABORTED
+    engine.close()
+
+
+def test_keys_of_the_queue(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.nc").write_text(GOOD)
+
+    async def script(stage: Stage) -> None:
+        await stage.press("f2", "ctrl+n", "ctrl+n", "ctrl+l", "ctrl+l")
+        assert [entry.path for entry in stage.app.jobs.queue.entries] == ["a.nc", "a.nc"]
+        text = await stage.frame()
+        assert "[queue 2]" in text and text.count("a.nc") == 3  # with the message
+        await stage.press("ctrl+n", "ctrl+t")
+        assert len(stage.app.jobs.queue.entries) == 1 and "stops at failure" in await stage.frame()
+        await stage.press("ctrl+r")
+        await stage.until(lambda: "start" in stage.engine.calls)
+        stage.engine.ended = ended()
+        await stage.until(lambda: not stage.app.jobs.queue.is_active)
+        assert stage.engine.calls == ["load a.nc", "start"]
+        assert "PASS" in await stage.frame() and "Queue done: 1 of 1 good" in stage.message
+
+    play(script)
+
+
+def test_no_queue_while_a_job_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.nc").write_text(GOOD)
+
+    async def script(stage: Stage) -> None:
+        stage.engine.run_half()
+        await stage.press("f2", "ctrl+r")
+        assert "The queue is empty" in stage.message
+        await stage.press("ctrl+n", "ctrl+r")
+        assert "A job is under way" in stage.message and not stage.engine.calls
+
+    play(script)
+
+
+def test_recent_jobs_and_their_verdicts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "contour.nc").write_text(GOOD)
+    history = History(tmp_path / "h")
+    history.add_run(ended().run, "contour.nc", "run", 0)
+    history.add_run(ended().run | {"verdict": {"word": "FAIL"}}, "/parts/other.nc", "run", 1)
+    archive = Archive(tmp_path / "h", "en")
+
+    async def script(stage: Stage) -> None:
+        archive.wait()
+        await stage.press("f2")
+        row = next(row for row in (await stage.frame()).splitlines() if "contour.nc" in row)
+        assert "DIN 66025" in row and row.endswith("PASS") and " 51 B" in row
+        await stage.press("ctrl+l")
+        text = await stage.frame()
+        assert "[recent]" in text and text.index("/parts/other.nc") < text.index("contour.nc")
+        await stage.press(*"contour", "enter")
+        assert "/parts/other.nc" not in await stage.frame()
+        await stage.until(lambda: stage.engine.calls == [f"load {tmp_path / 'contour.nc'}"])
+
+    play(script, archive=archive)
+    archive.close()
+    assert len(history.runs(Filter())) == 2
+
+
+@pytest.mark.parametrize("size", [WIDE, NARROW])
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_the_load_check(size: tuple[int, int], language: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the real compiler: extents against limits, tools, feeds, modes; findings with block, column and caret."""
+    monkeypatch.chdir(tmp_path)
+    text = "N10 G90 G21 G17\nN15 T2 M06\nN20 G0 X10 Y5\nN30 G1 X40 F3000\nN30 G1 Z-5 F200\nN40 M30\n"
+    (tmp_path / "check.nc").write_text(text)
+    engine = SimEngine(speed=0)
+    try:
+        job = engine.load("check.nc")
+        assert engine.wait(20, lambda s: s.time_total_s is not None)
+        fake = FakeEngine()
+        fake.job = job
+        reported = engine.snapshot()
+    finally:
+        engine.close()
+
+    async def script(stage: Stage) -> None:
+        await stage.load("check.nc")
+        fake.show(time_total_s=reported.time_total_s, path_total_mm=reported.path_total_mm)
+        await stage.press("f2")
+        shown = await stage.frame()
+        assert "X mm" in shown and "-600.000 .. +600.000" in shown and "T2" in shown and "F 200 .. 3000" in shown
+        same_frame(f"check-{'wide' if size is WIDE else 'narrow'}-{language}", shown)
+
+    play(script, fake, size=size, language=language)
