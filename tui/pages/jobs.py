@@ -244,7 +244,9 @@ def recent_rows(view: View, paths: Sequence[str], cursor: int) -> list[Row]:
         last = known[path]
         row = view.mark(index == cursor).add(f"{local_time(last['at'])}  {last['verdict']:<6}")
         most = last["deviation_max_mm"]
-        row.until(36, "-" if most is None else f"{most * 1e3:.1f} um").at(38, path)
+        row.until(36, "-" if most is None else f"{most * 1e3:.1f} um")
+        room = view.width - 39  # of a long path the end says more than the beginning
+        row.at(38, path if len(path) <= room else f"~{path[1 - room :]}")
         rows.append(row)
     return rows or [Row(view.shown.look.dim).add(f"  {view.shown.words('recent_none')}")]
 
