@@ -4,9 +4,11 @@ that follows from closed forms; and the sums of random programs, which are those
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import groupby, pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +19,7 @@ from cnc_front.jobs import CompileOptions, JobSource, compile_job, load_machine
 from cnc_front.run import RunOptions, dry_run
 from cnc_front.verdict import limits_object
 from motion_kernel import Machine, Mcu, ModeReg
-from motion_kernel.causes import Cause, limit_of
+from motion_kernel.causes import Cause, english, limit_of
 
 AXES = ("X", "Y")
 MDVEL, MAXVEL, MAXACC = 10.0, 100.0, {"X": 400.0, "Y": 300.0}
@@ -281,6 +283,12 @@ def test_a_rapid_and_the_time_before_the_first_motion() -> None:
 def test_every_cause_is_among_the_cases() -> None:
     shown = {cause.split()[0] for case in CASES.values() for cause, _ in case.expected}
     assert shown | {"rapid", "idle"} == set(Cause) - {"unknown"}
+
+
+def test_the_page_about_causes_has_all_of_them() -> None:
+    page = (Path(__file__).parents[2] / "docs/limits.md").read_text("utf-8")
+    rows = re.findall(r"^\| `(\w+)` \| (.+?) \| .+ \|$", page, re.MULTILINE)
+    assert rows == [(cause, english(cause)) for cause in Cause if cause != "unknown"]
 
 
 words = st.one_of(
