@@ -75,6 +75,22 @@ def _block(text: str) -> str:
     return text.upper()
 
 
+def _add_run(commands: Any, parents: Sequence[Any]) -> None:
+    run = commands.add_parser("run", parents=parents, help="dry-run a job and judge it")
+    run.add_argument("job", metavar="JOB")
+    run.add_argument("--override", metavar="SCHEDULE", default="1", help="0.5 or 0:1.0,2.5:0.5 (seconds:factor)")
+    run.add_argument("--override-sweep", metavar="A:B:STEP", help="a table of runs at factors, e.g. 0.1:1.5:0.1")
+    run.add_argument("--record", metavar="F.mcap", help="write a recording")
+    run.add_argument("--report", metavar="DIR", help="write a report")
+    run.add_argument("--samples", action="store_true", help="samples.parquet beside the report (extra `samples`)")
+    run.add_argument("--tolerance", metavar="MM", type=_millimetres, help="limit of the contour deviation")
+    run.add_argument("--max-time", metavar="S", type=_seconds, default=86400.0, help="bound on machine and wall time")
+    run.add_argument("--stimulus", metavar="FILE", help="inputs and faults (default: .stim beside the job)")
+    run.add_argument("--task", metavar="N=JOB", action="append", default=[], help="a rw_SymPas job for another task")
+    run.add_argument("--time-optimal", action="store_true", help="the least time that the axis limits allow (toppra)")
+    run.add_argument("--json", action="store_true", help="the result as one JSON object")
+
+
 def build_parser() -> Parser:
     """All commands and options of design 3.1."""
     common = Parser(add_help=False)
@@ -103,19 +119,7 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"cnc-front {VERSION}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
     geometry = geometry_arguments.parent(Parser(add_help=False))
-    run = commands.add_parser("run", parents=[compiling, part, keeping, geometry], help="dry-run a job and judge it")
-    run.add_argument("job", metavar="JOB")
-    run.add_argument("--override", metavar="SCHEDULE", default="1", help="0.5 or 0:1.0,2.5:0.5 (seconds:factor)")
-    run.add_argument("--override-sweep", metavar="A:B:STEP", help="a table of runs at factors, e.g. 0.1:1.5:0.1")
-    run.add_argument("--record", metavar="F.mcap", help="write a recording")
-    run.add_argument("--report", metavar="DIR", help="write a report")
-    run.add_argument("--tolerance", metavar="MM", type=_millimetres, help="limit of the contour deviation")
-    run.add_argument("--max-time", metavar="S", type=_seconds, default=86400.0, help="bound on machine and wall time")
-    run.add_argument("--stimulus", metavar="FILE", help="inputs and faults (default: .stim beside the job)")
-    run.add_argument("--task", metavar="N=JOB", action="append", default=[], help="a rw_SymPas job for another task")
-    run.add_argument("--time-optimal", action="store_true", help="the least time that the axis limits allow (toppra)")
-    run.add_argument("--json", action="store_true", help="the result as one JSON object")
-
+    _add_run(commands, [compiling, part, keeping, geometry])
     check = commands.add_parser("check", parents=[compiling, part], help="compile only")
     check.add_argument("jobs", metavar="JOB", nargs="+")
     check.add_argument("--strict", action="store_true", help="warn of what runs but smells")
@@ -127,6 +131,7 @@ def build_parser() -> Parser:
     report = commands.add_parser("report", parents=[common, geometry], help="report from a recording")
     report.add_argument("recording", metavar="RECORDING.mcap")
     report.add_argument("folder", metavar="DIR")
+    report.add_argument("--samples", action="store_true", help="samples.parquet too (extra `samples`)")
     machine = commands.add_parser("machine", parents=[common], help="check or show a machine file")
     machine.add_argument("action", choices=("check", "show"))
     machine.add_argument("file", metavar="FILE", nargs="?")

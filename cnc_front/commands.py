@@ -109,13 +109,19 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     progress = Progress(language, quiet=options.quiet)
     schedule, optimal = parse_schedule(options.override), options.time_optimal
     run_options = RunOptions(schedule, options.max_time, interrupted, progress, time_optimal=optimal)
-    run_options = replace(run_options, sweep=parse_sweep(options.override_sweep))
+    run_options = replace(run_options, sweep=parse_sweep(options.override_sweep), samples=options.samples)
     inputs = [options.job, options.machine or "", options.stimulus or "", options.setup or "", options.reference or ""]
     about_reference = reference_options(options)
     if options.time_optimal:
         from cnc_front.time_optimal import check_available
 
         check_available()
+    if options.samples:
+        from cnc_front.samples import check_available as check_samples
+
+        if not options.report:
+            raise UsageError("--samples needs --report DIR: samples.parquet is a file of the report")
+        check_samples()
     record = outputs.check_recording(options.record, inputs) if options.record else None
     report = outputs.check_report(options.report, inputs) if options.report else None
     loaded = _Loaded()
@@ -223,12 +229,20 @@ def report(options: argparse.Namespace) -> int:
 
     about_reference = reference_options(options)
     folder = outputs.check_report(options.folder, [options.recording, options.setup or "", options.reference or ""])
+    if options.samples:
+        from cnc_front.samples import check_available
+
+        check_available()
     setup, reference = None, None
     if options.setup is not None or options.reference is not None:
         from cnc_front.geometry.checks import loaded
 
         setup, reference = loaded(options.setup, options.reference, about_reference)
     report_from_recording(options.recording, folder, language_from(options.lang), setup, reference)
+    if options.samples:
+        from cnc_front.samples import samples_of_recording
+
+        samples_of_recording(options.recording, folder)
     return Exit.DONE
 
 

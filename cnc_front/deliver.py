@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from cnc_front.geometry.reference import Reference
     from cnc_front.geometry.setup import Setup
     from cnc_front.report import ReportInput
+    from cnc_front.samples import SamplesFile
     from cnc_front.time_optimal import TimeOptimal
 
 
@@ -61,7 +62,10 @@ def run_and_write(
     metadata |= checks.metadata() if checks else {}
     sink = RecordingSink(record, job, metadata, checks.attachments() if checks else []) if record else None
     plotting = Plotting(tolerance) if report else None
-    result = dry_run(job, options, _Both(sink, checks), plotting)
+    table = _samples_file(job, report) if report is not None and options.samples else None
+    result = dry_run(job, options, _Both(sink, checks, table), plotting)
+    if table is not None:
+        table.close()
     files = {"recording": shown(record) if record else None, "report": shown(report) if report else None}
     verdict, run = judged(result, tolerance_mm, files, checks)
     if options.sweep:
@@ -82,6 +86,13 @@ def run_and_write(
         made.time_optimal, made.checks = optimal, checks
         write_report(made, report, language)
     return result, verdict, run
+
+
+def _samples_file(job: CompiledJob, report: Path) -> SamplesFile:
+    from cnc_front.samples import SamplesFile
+
+    machine = job.machine.machine
+    return SamplesFile(report, machine.axis_names, machine.sample_time_us * 1e-6)
 
 
 def judged(

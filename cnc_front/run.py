@@ -50,6 +50,8 @@ class RunOptions:
     progress: Callable[[Execution], None] = lambda execution: None
     #: override factors of a sweep beside the run itself
     sweep: tuple[float, ...] = ()
+    #: samples.parquet beside the report
+    samples: bool = False
     #: what the world outside does
     stimulus: StimulusFile | None = None
     #: collect what the time-optimal bound needs

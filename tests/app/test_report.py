@@ -313,3 +313,21 @@ def test_named_findings_and_circles_are_shown(cli: Cli, job: Callable[..., Path]
     assert f"{run['axes']['X']['limit_margin']:.3f}" in done.stdout
     assert f"{run['motor_command']['X']['peak_pct']:.1f} %" in done.stdout
     assert sorted(p.name for p in (tmp_path / "r/png").iterdir())[:2] == ["circle-1.png", "circle-2.png"]
+
+
+def test_samples_as_parquet(cli: Cli, job: Callable[..., Path], tmp_path: Path) -> None:
+    import pyarrow.parquet as parquet
+
+    program = job("G1 X10 Y5 F600\nG2 X10 Y5 I3\nM30\n")
+    ran = cli("run", program, "--report", tmp_path / "r", "--record", tmp_path / "r.mcap", "--samples", "--json")
+    assert ran.code == 0 and cli("report", tmp_path / "r.mcap", tmp_path / "again", "--samples").code == 0
+    table = parquet.read_table(tmp_path / "r/samples.parquet")
+    assert table.equals(parquet.read_table(tmp_path / "again/samples.parquet"))
+    run = ran.object
+    assert table.num_rows == run["samples"]
+    columns = {name: table[name].to_numpy() for name in table.column_names}
+    assert columns["t_s"][-1] == pytest.approx(run["machine_time_s"])
+    assert columns["deviation_mm"].max() == pytest.approx(run["deviation"]["actual"]["max_mm"], rel=1e-6)
+    assert np.abs(columns["dp_X"] - columns["rp_X"]).max() == pytest.approx(run["following_error"]["X"]["max"])
+    assert set(columns["line"]) <= {0, 1, 2}
+    assert cli("run", program, "--samples").code == 2
