@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 class _Both:
-    """Hands what a run tells to two sinks."""
+    """Hands what a run tells to several sinks."""
 
     def __init__(self, *sinks: Sink | None) -> None:
         self._sinks = [sink for sink in sinks if sink is not None]
