@@ -95,6 +95,8 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     if _is_autocode(options.job, options.language):
         from cnc_front.sap_command import run_sap
 
+        if options.override_sweep or options.samples:
+            raise UsageError("--override-sweep and --samples are for part programs")
         return run_sap(options, interrupted)
     if options.task:
         raise UsageError("--task is for rw_SymPas jobs")
@@ -112,16 +114,7 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     run_options = replace(run_options, sweep=parse_sweep(options.override_sweep), samples=options.samples)
     inputs = [options.job, options.machine or "", options.stimulus or "", options.setup or "", options.reference or ""]
     about_reference = reference_options(options)
-    if options.time_optimal:
-        from cnc_front.time_optimal import check_available
-
-        check_available()
-    if options.samples:
-        from cnc_front.samples import check_available as check_samples
-
-        if not options.report:
-            raise UsageError("--samples needs --report DIR: samples.parquet is a file of the report")
-        check_samples()
+    _check_extras(options)
     record = outputs.check_recording(options.record, inputs) if options.record else None
     report = outputs.check_report(options.report, inputs) if options.report else None
     loaded = _Loaded()
@@ -153,6 +146,20 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
         colors = sys.stdout.isatty() and not (options.no_color or os.environ.get("NO_COLOR"))
         print(result_text(result, verdict, run_object, language, colors=colors))
     return verdict.exit
+
+
+def _check_extras(options: argparse.Namespace) -> None:
+    """What an option needs beside a plain installation is there."""
+    if options.time_optimal:
+        from cnc_front.time_optimal import check_available
+
+        check_available()
+    if options.samples:
+        from cnc_front.samples import check_available as check_samples
+
+        if not options.report:
+            raise UsageError("--samples needs --report DIR: samples.parquet is a file of the report")
+        check_samples()
 
 
 def _checks(job: CompiledJob, options: argparse.Namespace, reference: ReferenceOptions) -> Checks | None:
