@@ -144,7 +144,7 @@ class Snapshot:
     output: tuple[str, ...] = ()  # what rw_SymPas statements wrote, newest last
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)  # compared by identity: it holds arrays
 class PathPlot:
     """Programmed path as a polyline in machine mm, and which block each vertex belongs to."""
 
@@ -154,7 +154,7 @@ class PathPlot:
     axes: tuple[str, str, str] = ("X", "Y", "Z")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)  # compared by identity: it holds arrays
 class Job:
     """A loaded part program."""
 

@@ -22,7 +22,7 @@ class Finding:
     rms_um: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)  # compared by identity: it holds arrays
 class Outcome:
     """`number` counts the runs of an engine; `run` is the object of `run --json`; `worst`: the worst blocks first."""
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 from cnc_front.engine import Switches
+from cnc_front.errors import UsageError
 from cnc_front.jobs import (
     CompileOptions,
     JobSource,
@@ -17,6 +19,9 @@ from cnc_front.jobs import (
 from cnc_front.search import Start, search
 from cnc_front.sim_bench import Bench, Place
 from cnc_front.sim_job import LoadedJob, load_source
+
+#: How a block is named: "N120", or "57" for a line.
+BLOCK = re.compile(r"N?[0-9]{1,9}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +70,8 @@ class Loader:
     def load(self, path: str, start: str | None, switches: Switches, bench: Bench) -> Loaded:
         """Reads and compiles a job for the machine on the bench, or for that of its own machine file at its start.
         Raises CompileError."""
+        if start is not None and not BLOCK.fullmatch(start):
+            raise UsageError(f"{start}: no block; write N120, or 57 for a line")
         file = load_machine(self.machine, path)
         same = file.sha256 == bench.file.sha256
         place = bench.place if same else Place.first(file.machine)
@@ -76,6 +83,8 @@ class Loader:
         return Loaded(Asked(path, start, switches, place), file, source, stimulus, job, begins)
 
     def search(self, loaded: Loaded, block: str) -> Start:
-        """The state before a block of a loaded job. Raises CompileError."""
+        """The state before a block of a loaded job. Raises CompileError, or UsageError for what names no block."""
+        if not BLOCK.fullmatch(block):
+            raise UsageError(f"{block}: no block; write N120, or 57 for a line")
         options = self.compile_options(loaded.asked.switches, loaded.machine)
         return search(loaded.source, loaded.asked.place.machine(loaded.machine), options, block)

@@ -15,7 +15,7 @@ from cnc_front.german import localized
 from cnc_front.search import Start, start_text
 from tui.dialogs import Question
 from tui.operation import HIGH, LOW, Operation
-from tui.program import ProgramView, block_name
+from tui.program import ProgramView, block_name, find_block
 from tui.states import FACES
 from tui.words import Words
 
@@ -133,9 +133,11 @@ class MotionKeys(App[None]):
             self.say(self.words("goto_job"))
 
     def _search(self, block: str) -> None:
-        block = block.strip()
+        block = block.strip().upper()
         if block in ("", "0"):
             self._start_at("")
+        elif find_block(self.program.lines, block) is None:
+            self.say(self.words("goto_none", text=block[:20]))
         else:
             self.run_worker(lambda: self._find_state(block), thread=True, exclusive=True, group="load")
 

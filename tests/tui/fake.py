@@ -140,8 +140,8 @@ class FakeEngine:
 
     def search(self, block: str) -> Start:
         self.calls.append(f"search {block}")
-        if block == "N77":
-            raise CompileError([Diagnostic("bracket_07.nc", 1, 1, 2, "GC617", "N77 is not there", "")])
+        if block == "1":
+            raise CompileError([Diagnostic("bracket_07.nc", 1, 1, 2, "GC617", "line 1 is not executed", "")])
         return START
 
     def start_at(self, block: str) -> Job:

@@ -287,10 +287,12 @@ def test_start_at_a_block_shows_the_state_asks_and_does_not_start() -> None:
         await stage.until(lambda: "start at line 7" in stage.text)
         assert "G1 G17 G90" in stage.text and "F2400" in stage.text and "r then starts" in stage.text
         await stage.press("enter")
-        await stage.until(lambda: "start at n590" in engine.calls)
+        await stage.until(lambda: "start at N590" in engine.calls)
         await stage.until(lambda: "r starts" in stage.message)
-        assert engine.calls == ["search n590", "start at n590"]
+        assert engine.calls == ["search N590", "start at N590"]
         await stage.press("G", *"N77", "enter")
+        assert "no such block" in stage.message
+        await stage.press("G", "1", "enter")
         await stage.until(lambda: "GC617" in stage.message)
         await stage.press("G", "0", "enter")
         await stage.until(lambda: "start at " in engine.calls)
