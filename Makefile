@@ -77,6 +77,7 @@ bench: $(NATIVE)
 	@$(PY) -m benches
 	@$(PY) -m benches.peer
 	@$(PY) -m benches.sympas
+	@$(PY) -m benches.terminal
 	@cargo bench --quiet --locked -p motion_kernel --bench samples --bench planning
 
 check:
