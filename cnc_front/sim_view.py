@@ -118,6 +118,7 @@ def run_snapshot(common: Common, run: SimRun) -> Snapshot:
     state, why, inputs = _state(run, status)
     # at a block end the program stands before the block that comes next
     line = mcu.rdcncts(0)[3] if run.execution.stepped else run.line
+    is_mdi = common.mode is Mode.MDI  # its lines are none of the job
     factor = status["factor"]
     feed = loaded.fact("feeds", line) or 0.0
     # axes that a program test does not move; behind the end of a program they have settled on the bench
@@ -127,7 +128,7 @@ def run_snapshot(common: Common, run: SimRun) -> Snapshot:
         state=state,
         why=why,
         machine_time_s=run.execution.machine_time_s,
-        line=line,
+        line=0 if is_mdi else line,
         feed_programmed=status["programmed_v"] * 60.0 if status["entry"] else feed,
         feed_actual=status["path_v"] * 60.0,
         override_effective=factor,
@@ -136,14 +137,14 @@ def run_snapshot(common: Common, run: SimRun) -> Snapshot:
         time_total_s=loaded.time_total_s,
         deviation_now_mm=run.deviation_now_mm,
         deviation_max_mm=run.deviation_max_mm,
-        deviation_max_line=run.deviation_max_line,
+        deviation_max_line=0 if is_mdi else run.deviation_max_line,
         spool_empty_s=_spool_empty_s(loaded, run, status),
         modal=loaded.fact("modal", line) or "",
         tool=_tool(run),
         spindle=_spindle(mcu, status),
         coolant=_coolant(status),
         message=common.operator.message or _last_message(run),
-        alarms=tuple(_alarm(event, run, common.language) for event in run.execution.alarms),
+        alarms=tuple(_alarm(event, run, common) for event in run.execution.alarms),
         stop=run.stop,
         waits_for=inputs,
         inputs=_inputs(mcu),
@@ -241,8 +242,22 @@ def _last_message(run: SimRun) -> str:
     return texts[-1] if texts else ""
 
 
-def _alarm(event: AlarmEvent, run: SimRun, language: str) -> Alarm:
-    code, text = alarm_text(event.name, event.bit, event.axis, language)
+def _alarm(event: AlarmEvent, run: SimRun, common: Common) -> Alarm:
+    code, text = alarm_text(event.name, event.bit, event.axis, common.language)
     fault = run.execution.fault
     stopped = fault is not None and event is fault.alarm
-    return Alarm(event.t_s, code, event.axis, event.line, text, stopped)
+    line = 0 if common.mode is Mode.MDI else event.line
+    return Alarm(event.t_s, code, event.axis, line, _limit(event, common.bench.file.machine) + text, stopped)
+
+
+def _limit(event: AlarmEvent, machine: native_kernel.Machine) -> str:
+    """The limit that was passed, with its unit."""
+    if event.axis not in machine.axis_names:
+        return ""
+    axis = machine.axis_names.index(event.axis)
+    limits, unit = machine.limits[axis], machine.units[axis]
+    if event.name == "mpe":
+        return f"> {machine.mpe[axis]:g} {unit} "
+    if limits is not None and event.name in ("lsls", "lsrs"):
+        return f"{limits[event.name == 'lsrs']:g} {unit} "
+    return ""

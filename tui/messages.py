@@ -122,6 +122,8 @@ class Messages:
             return f"{text} ({self._since})"
         if s.state is State.WAITING:
             return words("waits_since", what=self._why(s), clock=self._since)
+        if s.state is State.RUNNING and s.why == "home":
+            return words("hand_does_home")
         if s.state in (State.HOLD, State.STEP, State.ABORTED, State.ALARM) and s.stop is not Stop.NONE:
             return words(f"stop_{s.stop.name.lower()}")
         return {State.HOLD: words("hold_text"), State.STEP: words("step_text")}.get(s.state, "")

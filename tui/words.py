@@ -299,9 +299,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     "mdi_modal": ("modes as at power-on", "Grundstellung"),
     "mdi_done": ("done", "fertig"),
     "mdi_keys": (
-        "Enter checks the block; r executes it. Up: blocks before. Esc leaves (and holds).",
-        "Enter prüft den Satz; r führt aus. Auf: frühere Sätze. Esc verlässt (und hält).",
+        "Enter checks the block, r executes it, Up: blocks before, Esc leaves and holds",
+        "Enter prüft den Satz, r führt aus, Auf: frühere Sätze, Esc verlässt und hält",
     ),
+    "hand_does_home": ("Home search; Space stops it.", "Referenzfahrt; Leertaste hält an."),
     "wait_dwell": ("dwell", "Verweilzeit"),
     "wait_inputs": ("input {numbers}", "Eingang {numbers}"),
     "wait_host": ("the application", "die Anwendung"),

@@ -135,19 +135,23 @@ class ManualPage(Page):
             self._ask_home([axes[self.selected]])
 
     def key_home_all(self) -> None:
-        """Asks, with order, ways and directions, then homes all axes; away from the work first."""
+        """Asks, with order, ways and directions, then homes all axes that can be; away from the work first."""
         if self._is_free():
             self._ask_home(sorted(self._axes(), key=lambda axis: axis.name not in ("Z", "W")))
 
     def _ask_home(self, axes: Sequence[AxisValues]) -> None:
         words = self.app.words
         without = [axis.name for axis in axes if not axis.homing]
-        if without:
+        axes = [axis for axis in axes if axis.homing]
+        if not axes:
             self.app.say(words("home_none", axes=", ".join(without)))
             return
         ways = ", ".join(f"{axis.name} {words('home_' + axis.homing.replace('+', '_'))}" for axis in axes)
         names = [axis.name for axis in axes]
-        self.app.ask(words("home_ask", ways=ways), words("home_keys"), lambda _: self._home(names), field=False)
+        title = words("home_ask", ways=ways)
+        if without:
+            title += "\n" + words("home_none", axes=", ".join(without))
+        self.app.ask(title, words("home_keys"), lambda _: self._home(names), field=False)
 
     def _home(self, names: Sequence[str]) -> None:
         self.is_on = False
