@@ -81,6 +81,7 @@ def _add_run(commands: Any, parents: Sequence[Any]) -> None:
     run.add_argument("--override", metavar="SCHEDULE", default="1", help="0.5 or 0:1.0,2.5:0.5 (seconds:factor)")
     run.add_argument("--override-sweep", metavar="A:B:STEP", help="a table of runs at factors, e.g. 0.1:1.5:0.1")
     run.add_argument("--record", metavar="F.mcap", help="write a recording")
+    run.add_argument("--scan", metavar="NAMES", help="resources to record every sample: dp.X,cp.X.3.0 (with --record)")
     run.add_argument("--report", metavar="DIR", help="write a report")
     run.add_argument("--samples", action="store_true", help="samples.parquet beside the report (extra `samples`)")
     run.add_argument("--tolerance", metavar="MM", type=_millimetres, help="limit of the contour deviation")

@@ -95,8 +95,8 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     if _is_autocode(options.job, options.language):
         from cnc_front.sap_command import run_sap
 
-        if options.override_sweep or options.samples:
-            raise UsageError("--override-sweep and --samples are for part programs")
+        if options.override_sweep or options.samples or options.scan is not None:
+            raise UsageError("--override-sweep, --samples and --scan are for part programs")
         return run_sap(options, interrupted)
     if options.task:
         raise UsageError("--task is for rw_SymPas jobs")
@@ -122,6 +122,7 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
         job = loaded.load(options)
         run_options = replace(run_options, stimulus=load_stimulus(options.stimulus, options.job, job.machine))
         checks = _checks(job, options, about_reference)
+        run_options = replace(run_options, scan=_scan(job, options))
     except CompileError as error:
         from cnc_front.verdict import failed_object
 
@@ -173,6 +174,15 @@ def _checks(job: CompiledJob, options: argparse.Namespace, reference: ReferenceO
     from cnc_front.geometry.checks import checks_of_job
 
     return checks_of_job(job, path, options.reference, reference, options.tolerance)
+
+
+def _scan(job: CompiledJob, options: argparse.Namespace) -> tuple[str, ...]:
+    """Resources to record, by name."""
+    if options.scan is None:
+        return ()
+    from cnc_front.scan import parse_scan
+
+    return parse_scan(options.scan, job.machine.machine, recorded=options.record is not None)
 
 
 def _is_autocode(path: str, language: str | None) -> bool:

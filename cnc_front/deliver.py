@@ -60,7 +60,8 @@ def run_and_write(
     tolerance = tolerance_mm if tolerance_mm is not None else job.machine.machine.tolerance_mm
     metadata = _metadata(job, options, tolerance, _tolerance_from(tolerance_mm))
     metadata |= checks.metadata() if checks else {}
-    sink = RecordingSink(record, job, metadata, checks.attachments() if checks else []) if record else None
+    more = checks.attachments() if checks else []
+    sink = RecordingSink(record, job, metadata, more, options.scan) if record else None
     plotting = Plotting(tolerance) if report else None
     table = _samples_file(job, report) if report is not None and options.samples else None
     result = dry_run(job, options, _Both(sink, checks, table), plotting)

@@ -90,6 +90,8 @@ class Execution:
     max_machine_s: float = math.inf
     #: what the world outside does, beside the rules of the machine file
     stimulus: native_kernel.Stimulus | None = None
+    #: resources to scan, by name
+    scan: tuple[str, ...] = ()
     #: run and batch acknowledge M00, M06 ... at the next sample (design D29); the terminal waits for the operator
     acknowledges: bool = True
     #: a controller that is ready for part programs already; a new one without
@@ -129,6 +131,10 @@ class Execution:
                 raise CompileError(problems)
         if self.stimulus is not None:
             self.mcu.add_stimulus(self.stimulus)
+        if self.scan:
+            from cnc_front.scan import begin_scan
+
+            begin_scan(self.mcu, self.scan, self._axes)
         self.mcu.load(0, self.job.program)
         self._pending = deque((round(t / self.sample_time_s), f) for t, f in self.schedule)
         self._take_initial_override(machine.trovrst_s)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -34,9 +34,15 @@ class RecordingSink:
     """Writes a run into a recording. A run that is cut off leaves a file that can still be read."""
 
     def __init__(
-        self, path: Path, job: CompiledJob, metadata: dict[str, str], more: list[tuple[str, str, bytes]] | None = None
+        self,
+        path: Path,
+        job: CompiledJob,
+        metadata: dict[str, str],
+        more: list[tuple[str, str, bytes]] | None = None,
+        scan: Sequence[str] = (),
     ) -> None:
-        """Creates the file, with `more` attachments (name, media type, bytes); raises OSError."""
+        """Creates the file, with `more` attachments (name, media type, bytes) and a topic for scanned resources; raises
+        OSError."""
         machine = job.machine.machine
         attachments = [
             (JOB, "text/plain", job.source.data),
@@ -46,7 +52,13 @@ class RecordingSink:
         ]
         self.path = path
         self._writer = native.Writer(
-            path, list(machine.axis_names), machine.sample_time_us * 1e-6, attachments, metadata, machine.resolution
+            path,
+            list(machine.axis_names),
+            machine.sample_time_us * 1e-6,
+            attachments,
+            metadata,
+            machine.resolution,
+            list(scan),
         )
 
     def write(self, chunk: native_kernel.Chunk, deviation_mm: NDArray[np.float32], happened: Happened) -> None:

@@ -54,6 +54,8 @@ class RunOptions:
     samples: bool = False
     #: what the world outside does
     stimulus: StimulusFile | None = None
+    #: resources that are recorded every sample (motion_kernel.scanner)
+    scan: tuple[str, ...] = ()
     #: collect what the time-optimal bound needs
     time_optimal: bool = False
 
@@ -85,7 +87,7 @@ def dry_run(
     begun = time.monotonic()
     path = native_paths.Path(job.program.sequence())
     stimulus = options.stimulus.stimulus if options.stimulus else None
-    execution = Execution(job, options.schedule, options.max_time_s, stimulus=stimulus)
+    execution = Execution(job, options.schedule, options.max_time_s, stimulus=stimulus, scan=options.scan)
     machine = job.machine.machine
     tracker = native_paths.Tracker(
         path,

@@ -97,7 +97,8 @@ class Device:
         number = self.first + (whole(parts.pop()) if self.first == CP and len(parts) == 3 else 0)
         if len(parts) > 2 or not self.first <= number <= self.last:
             raise IndexError(f"{self.name}{list(key)}: {self.name} has no such index")
-        axes = (self.index_is_axis, self.sub_is_axis)
+        # the line of a gear factor is that of its master
+        axes = (self.index_is_axis, self.sub_is_axis or self.first == CP)
         numbers = [
             number_of(part) if axis and isinstance(part, str) else whole(part)
             for part, axis in zip(parts, axes, strict=False)

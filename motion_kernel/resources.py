@@ -83,9 +83,9 @@ class HostMemory:
 
 
 class Resource:
-    """A device of the table: `[index]` or `[index, sub-index]`, `cp` with `[axis, line, column]`,
-    functions of SyncMode with `[slave]`. Axes by name or
-    index. ResourceError unless the return code is OK."""
+    """A device of the table: `[index]` or `[index, sub-index]`, `cp` with `[axis, line, column]` (a line by
+    its number or as that of an axis), functions of SyncMode with `[slave]`. Axes by name or index. ResourceError unless
+    the return code is OK."""
 
     def __init__(self, resources: Resources, device: Device) -> None:
         self._resources, self._device = resources, device

@@ -10,7 +10,8 @@ use motion_kernel::autocode::{Builder, Instr, Move, MoveKind, Program, Ssf};
 use motion_kernel::axes::{AxisList, AxisSet};
 use motion_kernel::functions::Entered;
 use motion_kernel::machine::{Index, Machine};
-use motion_kernel::registers::{ControllerFlags, ModeReg};
+use motion_kernel::registers::{ControllerFlags, ModeReg, Options};
+use motion_kernel::resources::{Code, ObjectDescriptor, READ, Type, WRITE};
 use motion_kernel::stimulus::Stimulus;
 use motion_kernel::trace::Trace;
 use motion_kernel::trajectory::Hmp3d;
@@ -184,4 +185,52 @@ fn searches_latches_faults_and_offsets_allocate_nothing() {
     m.pass(2900, &mut trace);
     assert_eq!(ALLOCATIONS.get() - before, 0);
     assert!(m.rdPosErr(0).abs() > 0.0 && m.machine_position(2) < -10.0);
+}
+
+/// The scanner, DMA-RTS at 30 kHz, a gear and a flying saw.
+#[test]
+fn resources_allocate_nothing() {
+    let mut m = mcu_of(Machine::builtin(), LOOKAHEAD);
+    m.resources_mut().options =
+        Options::RESOURCE | Options::GEAR | Options::DMARTS | Options::EP1K50 | Options::RTS_ANALOGIN;
+    let rules = "at 10 ms: input 14 pulsing 30 kHz\nat 10 ms: input 15 pulsing 5 kHz";
+    m.add_stimulus(&Stimulus::parse(rules, &["X", "Y", "Z"]).expect("valid"));
+    let write = |m: &mut Mcu, device, index, sub, kind, value: f64| {
+        let mut d = ObjectDescriptor::new(device, index, sub, kind, WRITE);
+        let code =
+            if kind == Type::Double { m.wrOptionDbl(&mut d, value) } else { m.wrOptionInt(&mut d, value as i32) };
+        assert_eq!(code, Code::Ok, "{d:?}");
+    };
+    write(&mut m, 200, 1, 0, Type::Double, 0.5);
+    assert!(m.wrGCR(0, 1));
+    write(&mut m, 7000, 6, 2, Type::Double, 40.0);
+    write(&mut m, 7000, 4, 2, Type::Double, 1.0);
+    write(&mut m, 7000, 1, 2, Type::Integer, 1.0);
+    write(&mut m, 8001, 0, 0, Type::Integer, 1.0);
+    let mut scan = Vec::new();
+    for (device, index, sub, kind) in [
+        (1, 0, 0, Type::Double),
+        (200, 1, 0, Type::Double),
+        (3, 2, 0, Type::Integer),
+        (8014, 3 | 7 << 16, 48, Type::DataBlock),
+    ] {
+        let mut d = ObjectDescriptor::new(device, index, sub, kind, READ);
+        let _ = if kind == Type::Double { m.rdOptionDbl(&mut d).is_ok() } else { m.rdOptionInt(&mut d).is_ok() };
+        scan.push((device.to_string(), d));
+    }
+    m.scan(&scan).expect("all can be scanned");
+    m.ja(&AxisList::new(&[2]), &[-50.0]);
+    m.ja(&AxisList::new(&[0]), &[80.0]);
+    let mut trace = Trace::new(3, 2000);
+    m.pass(5, &mut trace);
+    m.begin_trace(&mut trace);
+    trace.reserve(2000);
+    let before = ALLOCATIONS.get();
+    m.pass(2000, &mut trace);
+    assert_eq!(ALLOCATIONS.get() - before, 0);
+    let last = trace.scan.values.len() - 3;
+    close(trace.scan.values[last], 80.0, 0.01);
+    assert!(trace.scan.blocks.chunks(trace.scan.blocks.len() / 2000).all(|block| block[4] == 0 && block[0] < 40));
+    assert!(trace.dp[2 * 3 + 2].abs() < 0.01 && trace.dp[1999 * 3 + 2] < -10.0, "the saw follows");
+    close(trace.rp[1999 * 3 + 1], 40.0, 0.01);
 }

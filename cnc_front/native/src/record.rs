@@ -38,7 +38,7 @@ pub struct Writer {
 impl Writer {
     /// Attachments are (name, media type, bytes). `resolution`: axis units per count of the encoders. Raises OSError.
     #[new]
-    #[pyo3(signature = (path, axes, sample_time_s, attachments, metadata, resolution=Vec::new()))]
+    #[pyo3(signature = (path, axes, sample_time_s, attachments, metadata, resolution=Vec::new(), scan=Vec::new()))]
     fn new(
         path: PathBuf,
         axes: Vec<String>,
@@ -46,10 +46,11 @@ impl Writer {
         attachments: Vec<(String, String, Vec<u8>)>,
         metadata: BTreeMap<String, String>,
         resolution: Vec<f64>,
+        scan: Vec<String>,
     ) -> PyResult<Writer> {
         let attached = |(name, media_type, data)| Attached { name, media_type, data };
         let attachments = attachments.into_iter().map(attached).collect();
-        let header = Header { axes, sample_time_s, resolution, attachments, metadata };
+        let header = Header { axes, sample_time_s, resolution, attachments, metadata, scan };
         let inner = recording::Writer::create(&path, &header).map_err(|e| raise(e, &path))?;
         Ok(Writer { inner: Some(inner), path })
     }
@@ -76,7 +77,13 @@ impl Writer {
             deviation_mm: deviation_mm.as_slice()?,
         };
         let writer = self.inner.as_mut().ok_or_else(closed)?;
-        py.detach(|| writer.write_samples(&view)).map_err(|e| raise(e, &self.path))
+        let scan = chunk.scan.bind(py).readonly();
+        let scan = scan.as_slice()?;
+        py.detach(|| {
+            writer.write_samples(&view)?;
+            if scan.is_empty() { Ok(()) } else { writer.write_scan(view.first_sample, scan) }
+        })
+        .map_err(|e| raise(e, &self.path))
     }
 
     /// Writes an event, a JSON object, at an emulated time.

@@ -6,6 +6,7 @@
 //! | every sample, full rate | topic `/columns`, about 1,000 samples a message, packed ([`columns`]) |
 //! | a thinned channel for plots | topic `/state`, JSON, one message a sample |
 //! | alarms, outputs, what the program announced | topic `/events`, JSON |
+//! | resources that `run --scan` names | topic `/scan`, JSON, every sample, `dp.X` as `dp_X` |
 //! | the result object of the run | attachment `result.json` at the end |
 //!
 //! Message times are emulated nanoseconds from 0. No clock is read: the same run gives the same bytes.
@@ -14,6 +15,7 @@ pub mod columns;
 mod mcap_file;
 mod packed;
 mod reader;
+mod scan;
 mod state;
 mod writer;
 
@@ -27,6 +29,7 @@ use std::fmt;
 pub const COLUMNS: &str = "/columns";
 pub const STATE: &str = "/state";
 pub const EVENTS: &str = "/events";
+pub const SCAN: &str = "/scan";
 /// Profile in the MCAP header, by which we know our own.
 pub const PROFILE: &str = "cnc-front";
 

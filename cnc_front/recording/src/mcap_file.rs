@@ -9,7 +9,7 @@ use mcap::records::MessageHeader;
 
 use crate::columns::ColumnsView;
 use crate::writer::{Attached, Header};
-use crate::{COLUMNS, EVENTS, Error, PROFILE, STATE, state};
+use crate::{COLUMNS, EVENTS, Error, PROFILE, SCAN, STATE, scan, state};
 
 /// Samples per `/columns` message.
 const PER_MESSAGE: usize = 1000;
@@ -27,7 +27,9 @@ pub(crate) struct McapFile {
     columns: u16,
     state: u16,
     events: u16,
-    sequence: [u32; 3],
+    scan: Option<u16>,
+    scanned: Vec<String>,
+    sequence: [u32; 4],
     buffer: Vec<u8>,
     text: Vec<u8>,
 }
@@ -56,6 +58,13 @@ impl McapFile {
         let state_schema = mcap.add_schema("cnc_front.State", "jsonschema", state::schema(&header.axes).as_bytes())?;
         let event_schema = mcap.add_schema("cnc_front.Event", "jsonschema", EVENT_SCHEMA.as_bytes())?;
         let none = BTreeMap::new();
+        let scan = match &header.scan[..] {
+            [] => None,
+            names => {
+                let schema = mcap.add_schema("cnc_front.Scan", "jsonschema", scan::schema(names).as_bytes())?;
+                Some(mcap.add_channel(schema, SCAN, "json", &none)?)
+            }
+        };
         Ok(McapFile {
             columns: mcap.add_channel(0, COLUMNS, "cnc-front.columns.2", &none)?,
             state: mcap.add_channel(state_schema, STATE, "json", &none)?,
@@ -64,7 +73,9 @@ impl McapFile {
             axes: header.axes.clone(),
             sample_time_s: header.sample_time_s,
             resolution: header.resolution.clone(),
-            sequence: [0; 3],
+            scan,
+            scanned: header.scan.clone(),
+            sequence: [0; 4],
             buffer: Vec::new(),
             text: Vec::new(),
         })
@@ -93,6 +104,19 @@ impl McapFile {
             state::message(part, k, &self.axes, self.sample_time_s, &mut text);
             let (channel, time) = (self.state, self.time_ns(part.first_sample + k as u64 + 1));
             self.message(1, channel, time, &text)?;
+            self.text = text;
+        }
+        Ok(())
+    }
+
+    /// Writes rows of the scanner.
+    pub fn write_scan(&mut self, first_sample: u64, values: &[f64]) -> Result<(), Error> {
+        let Some(channel) = self.scan else { return Ok(()) };
+        for (row, sample) in values.chunks_exact(self.scanned.len()).zip(first_sample + 1..) {
+            let mut text = std::mem::take(&mut self.text);
+            text.clear();
+            scan::message(sample as f64 * self.sample_time_s, &self.scanned, row, &mut text);
+            self.message(3, channel, self.time_ns(sample), &text)?;
             self.text = text;
         }
         Ok(())

@@ -33,6 +33,8 @@ pub struct Header {
     pub attachments: Vec<Attached>,
     /// Arguments of the run, kept as the metadata record `run`.
     pub metadata: BTreeMap<String, String>,
+    /// Scanned resources; none: there is no topic for them.
+    pub scan: Vec<String>,
 }
 
 /// Calls that may wait for the thread: enough that neither side waits for a short stop of the other, few enough that
@@ -55,6 +57,8 @@ struct Thread {
 
 enum Order {
     Samples(Columns),
+    /// First sample, and rows of the scanner.
+    Scan(u64, Vec<f64>),
     Event(f64, String),
     Finish(String),
 }
@@ -82,6 +86,11 @@ impl Writer {
         let mut columns = used.unwrap_or_default();
         columns.copy_from(view);
         self.order(Order::Samples(columns))
+    }
+
+    /// Writes rows of the scanner, a value for each of `Header::scan`, from that sample on.
+    pub fn write_scan(&mut self, first_sample: u64, values: &[f64]) -> Result<(), Error> {
+        self.order(Order::Scan(first_sample, values.to_vec()))
     }
 
     /// Writes an event (a JSON object) at an emulated time.
@@ -131,6 +140,7 @@ fn carry_out(mut file: McapFile, orders: Receiver<Order>, spare: &Spare) -> Resu
                     spare.push(columns);
                 }
             }
+            Order::Scan(first_sample, values) => file.write_scan(first_sample, &values)?,
             Order::Event(t_s, json) => file.write_event(t_s, &json)?,
             Order::Finish(result) => return file.finish(&result),
         }

@@ -92,10 +92,11 @@ impl Mcu {
         if !Arc::ptr_eq(&trace.scan.layout, &self.resources.scanner.layout) {
             return; // nobody records this sample
         }
-        let scanner = std::mem::take(&mut self.resources.scanner);
+        let layout = Arc::clone(&trace.scan.layout);
+        let columns = std::mem::take(&mut self.resources.scanner.columns);
         let begin = trace.scan.values.len();
         let mut waits = false;
-        for (read, place) in &scanner.columns {
+        for (read, place) in &columns {
             let answer = read(self, *place);
             waits |= answer == Err(Code::Busy);
             trace.scan.values.push(answer.unwrap_or(f64::NAN));
@@ -103,17 +104,17 @@ impl Mcu {
         if waits {
             trace.scan.values[begin..].fill(f64::NAN);
         }
-        for (_, block) in &scanner.layout.blocks {
+        for (_, block) in &layout.blocks {
             if waits {
                 trace.scan.blocks.resize(trace.scan.blocks.len() + block.bytes(), 0);
             } else {
                 self.resources.rts.write_block(block, &mut trace.scan.blocks);
             }
         }
-        if !waits && !scanner.layout.blocks.is_empty() {
+        if !waits && !layout.blocks.is_empty() {
             self.resources.rts.taken();
         }
-        self.resources.scanner = scanner;
+        self.resources.scanner.columns = columns;
     }
 }
 
