@@ -59,6 +59,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "from_drawing": ("from the drawing", "von der Zeichnung"),
     "not_driven": ("not driven", "nicht gefahren"),
+    "extra": ("not of the drawing", "nicht aus der Zeichnung"),
+    "collisions": ("collisions", "Kollisionen"),
+    "gouge_word": ("gouge", "Untermaß"),
+    "rest_word": ("rest", "Restmaterial"),
     "removed": ("material removed", "abgetragen"),
     "against_target": ("against the target", "gegen das Fertigteil"),
     "alarm": (

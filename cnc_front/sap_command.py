@@ -23,7 +23,7 @@ from cnc_front.messages import language_from
 from cnc_front.sap_run import TASKS, SapOptions, SapRun, Task
 
 #: Options of `run` that need a programmed path.
-FOREIGN = ("record", "report", "tolerance", "start", "stop")
+FOREIGN = ("record", "report", "tolerance", "start", "stop", "setup", "reference")
 
 
 def _say(diagnostics: tuple[Diagnostic, ...], options: argparse.Namespace) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from cnc_front.evidence import finding_text
+from cnc_front.geometry.judging import geometry_rows
 from cnc_front.messages import limit_text, text
 from cnc_front.run import RunResult
 from cnc_front.sweep import sweep_text
@@ -46,6 +47,7 @@ def result_text(
         share = 100 * (1 - run["time_optimal_s"] / run["machine_time_s"])
         rows.append(_row(say("possible"), f"{run['time_optimal_s']:.3f} s ({share:.1f} % {say('less')})"))
     rows.append(_row(say("limited"), ", ".join(_limits(feed["limits"], run["machine_time_s"], language))))
+    rows += [_row(say(label), value) for label, value in geometry_rows(run, language)]
     rows += [_row(say("findings"), finding_text(found, language)) for found in (run["findings"] or [])[:5]]
     for key, label in (("recording", "recording"), ("report", "report")):
         if run["files"][key]:

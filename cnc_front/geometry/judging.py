@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from cnc_front.messages import text
 from cnc_front.verdict import Reason
 
 #: Contour that was driven on the wrong side may be as long as a corner takes, mm.
@@ -51,3 +52,24 @@ def _target(material: dict[str, Any] | None) -> list[Reason]:
             values = {"max_um": side["max_mm"] * 1e3, "limit_um": side["limit_mm"] * 1e3, "line": side["line"] or 0}
             reasons.append(Reason(name, values | side["place"]))
     return reasons
+
+
+def geometry_rows(run: dict[str, Any], language: str) -> list[tuple[str, str]]:
+    """Label and figures of a run against drawing and setup, for the text of a result."""
+    rows, reference, material = [], run.get("reference"), run.get("material")
+    if reference is not None:
+        most = reference["actual"]["max_mm"]
+        parts = [] if most is None else [f"{most * 1e3:.1f} um"]
+        if reference["missing_mm"] is not None:
+            missing = f"{reference['missing_mm']:.2f} mm ({reference['missing_pct']:.2f} %)"
+            parts.append(f"{text('not_driven', language)} {missing}")
+        parts.append(f"{text('extra', language)} {reference['actual']['extra_mm']:.2f} mm")
+        rows.append(("from_drawing", ", ".join(parts)))
+    if material is not None and "removed_mm3" in material:
+        rows.append(("removed", f"{material['removed_mm3']:.1f} mm3"))
+        if material["target"] is not None:
+            sides = ((text(f"{name}_word", language), material["target"][name]) for name in ("gouge", "rest"))
+            rows.append(("against_target", ", ".join(f"{word} {side['max_mm'] * 1e3:.1f} um" for word, side in sides)))
+    if run.get("collisions") is not None:
+        rows.append(("collisions", str(run["collisions"]["count"])))
+    return rows

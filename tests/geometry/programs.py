@@ -27,3 +27,11 @@ def circle_dxf(radius: float) -> bytes:
     document = ezdxf.new(units=4)
     document.modelspace().add_circle((0, 0), radius)
     return _saved(document)
+
+
+def box_stl(low: tuple[float, float, float], high: tuple[float, float, float]) -> bytes:
+    """A cuboid as ASCII STL."""
+    import trimesh
+
+    data = trimesh.creation.box(bounds=[low, high]).export(file_type="stl_ascii")
+    return data if isinstance(data, bytes) else data.encode()
