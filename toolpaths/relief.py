@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from toolpaths.drawing import Drawing
-from toolpaths.material import Finding, Grid, Heights
+from toolpaths.material import Finding, Fixture, Grid, Heights
 from toolpaths.raster import (
     BACKGROUND,
     BAD,
@@ -16,6 +17,7 @@ from toolpaths.raster import (
     GRID,
     LEFT,
     RIGHT,
+    TEXT,
     TODO,
     WARN,
     Frame,
@@ -37,11 +39,12 @@ DEEP_GOUGE, HIGH_REST, WITHIN = (0, 40, 170), (150, 250, 255), (150, 110, 60)
 MARKS = 30
 
 
-def height_picture(heights: Heights, grid: Grid, findings: list[Finding]) -> Image:
-    """The stock after the cut, coloured by height, with the places of the findings numbered."""
+def height_picture(heights: Heights, grid: Grid, findings: list[Finding], fixtures: Sequence[Fixture] = ()) -> Image:
+    """The stock after the cut, coloured by height; hulls of the fixtures, the places of the findings numbered."""
     import cv2
 
-    image, frame = _page(grid)
+    hulls = [cv2.convexHull(f.triangles.reshape(-1, 3)[:, :2].astype(np.float32))[:, 0] for f in fixtures]
+    image, frame = _page(grid, [hull.astype(np.float64) for hull in hulls])
     there = np.isfinite(heights)
     low, high = (float(heights[there].min()), float(heights[there].max())) if there.any() else (0.0, 1.0)
     span = max(high - low, 1e-9)
@@ -49,6 +52,11 @@ def height_picture(heights: Heights, grid: Grid, findings: list[Finding]) -> Ima
     colours = cv2.applyColorMap(scaled, cv2.COLORMAP_VIRIDIS)
     colours[~there] = BACKGROUND
     _put(image, frame, grid, np.ascontiguousarray(colours))
+    for fixture, hull in zip(fixtures, hulls, strict=True):
+        pixels = np.round(frame.pixels(hull.astype(np.float64)) * 16).astype(np.int32)
+        cv2.polylines(image, [pixels], True, TEXT, 2, cv2.LINE_AA, 4)
+        x, y = (frame.pixels(hull.astype(np.float64)).mean(axis=0)).round().astype(int).tolist()
+        draw_text(image, fixture.name[:24], (x, y), centred=True)
     _marks(image, frame, findings)
     x, base = LEFT + 330, image.shape[0] - 30
     ramp = cv2.applyColorMap(np.tile(np.arange(256, dtype=np.uint8), (14, 1)), cv2.COLORMAP_VIRIDIS)
@@ -151,10 +159,10 @@ def _polyline(image: Image, frame: Frame, points: Points, colour: tuple[int, int
     cv2.polylines(image, [pixels], False, colour, thickness, cv2.LINE_AA, 4)
 
 
-def _page(grid: Grid) -> tuple[Image, Frame]:
+def _page(grid: Grid, more: Sequence[Points] = ()) -> tuple[Image, Frame]:
     width, height = SIZE
     image: Image = np.full((height, width, 3), BACKGROUND, np.uint8)
-    frame = Frame.around(_corners(grid), width, height)
+    frame = Frame.around(np.vstack([_corners(grid), *more]), width, height)
     draw_ruler(image, frame, ("X", "Y"))
     draw_scale_bar(image, frame.scale)
     return image, frame

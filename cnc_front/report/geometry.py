@@ -134,7 +134,7 @@ def pictures(report: ReportInput) -> dict[str, Any]:
         drawn["reference"] = reference_picture(checks.reference.drawing, plot, limit_um, missing, worst)
     if checks.removal is not None and checks.removal.stock is not None:
         grid = checks.setup.shop.grid
-        drawn["material"] = height_picture(checks.removal.stock.z(), grid, checks.listed())
+        drawn["material"] = height_picture(checks.removal.stock.z(), grid, checks.listed(), checks.setup.shop.fixtures)
         if checks.compared is not None:
             target = checks.figures["material"]["target"]
             sides = (target["rest"], target["gouge"])
