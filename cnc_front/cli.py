@@ -150,7 +150,10 @@ def _add_tui(commands: Any, parents: list[Parser]) -> None:
     tui.add_argument("--plain", action="store_true", help="line mode: events as lines, commands as words")
     tui.add_argument("--speed", metavar="X", type=_speed, default=1.0, help="simulation speed, or max (default 1)")
     tui.add_argument("--glyphs", choices=("quadrant", "braille", "half", "ascii"), help="characters of the path plot")
-    tui.add_argument("--theme", choices=("dark", "light", "mono"), help="colours")
+    tui.add_argument("--theme", choices=("dark", "light", "ansi", "mono"), help="colours")
+    tui.add_argument("--keymap", metavar="FILE", help="other keys (default: CNC_FRONT_KEYMAP)")
+    tui.add_argument("--keys", action="store_true", help="print all keys, as a keymap file")
+    tui.add_argument("--no-mouse", action="store_true", help="leave the mouse to the terminal, for copying")
 
 
 def run_command_line(arguments: Sequence[str]) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import ClassVar
@@ -23,7 +23,7 @@ from tui.archive import Archive
 from tui.dialogs import Question
 from tui.frame import header, key_row, message_row, small_row
 from tui.keeper import Keeper
-from tui.keys import KEYS, SETTLE_S
+from tui.keys import KEYS, SETTLE_S, Key
 from tui.look import Look
 from tui.messages import Messages
 from tui.motion_keys import MotionKeys
@@ -72,12 +72,13 @@ class Terminal(MotionKeys):
         paced: bool = True,
         settle_s: float = SETTLE_S,
         archive: Archive | None = None,
+        keys: Sequence[Key] = KEYS,
     ) -> None:
-        """`archive`: the history (None: nothing is kept).
+        """`archive`: the history (None: nothing is kept). `keys`: the table with what a keymap changed.
 
         `paced`: draws by itself at 10 Hz; tests call `tick` instead. `clock`: the time of day."""
-        super().__init__(ansi_color=look.name == "mono")
-        if look.background:
+        super().__init__(ansi_color=look.is_ansi)
+        if not look.is_ansi:
             back, front = look.background, look.foreground
             dark = look.name == "dark"
             theme = Theme("cnc-front", primary=front, foreground=front, background=back, surface=back, dark=dark)
@@ -85,6 +86,8 @@ class Terminal(MotionKeys):
             self.theme = theme.name
         else:
             self.theme = "ansi-dark"
+        self.keys_table = keys
+        self._bind(keys)
         self.engine, self.look, self.words, self.clock = engine, look, words, clock
         self._first_job, self.paced, self.settle_s = job, paced, settle_s
         self.messages = Messages(words)
@@ -98,6 +101,15 @@ class Terminal(MotionKeys):
         self._seen = (engine.snapshot(), time.monotonic())
         self._beat, self._pulse_s = time.monotonic(), REFRESH_S
         self.key_at = 0.0
+
+    def _bind(self, keys: Sequence[Key]) -> None:
+        """Gives actions their keys of a keymap."""
+        for key, usual in zip(keys, KEYS, strict=True):
+            if key.keys != usual.keys:
+                bound = self._bindings.key_to_bindings
+                for name, bindings in list(bound.items()):
+                    bound[name] = [binding for binding in bindings if binding.action != key.target]
+                self._bindings.bind(key.keys, key.target, key.english, show=False, priority=key.everywhere)
 
     def compose(self) -> ComposeResult:
         """Header, body, message line and key line stay in place on all pages."""
@@ -168,7 +180,7 @@ class Terminal(MotionKeys):
             body.put(self.page.visible(shown, width, height - FRAME - (self.page.field is not None)))
         line = message_row(text, getattr(self.look, style), self.look, self.words, more, width)
         base.query_one("#message", Rows).put([line])
-        base.query_one("#keys", Rows).put([key_row(self.look, self.words, width)])
+        base.query_one("#keys", Rows).put([key_row(self.look, self.words, width, self.keys_table)])
 
     def _header(self, shown: Shown, width: int) -> Strip:
         on = shown.snapshot.switches

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from datetime import datetime
 
 from rich.style import Style
 from textual.strip import Strip
 
 from cnc_front.engine import Snapshot
-from tui.keys import KEY_LINE
+from tui.keys import KEY_LINE, KEYS, Key
 from tui.look import Look
 from tui.program import block_name
 from tui.rows import Row
@@ -75,10 +76,12 @@ def message_row(text: str, style: Style, look: Look, words: Words, more: bool, w
     return Strip.join([filled, Row(look.dim).add(note).strip(len(note) + 1)])
 
 
-def key_row(look: Look, words: Words, width: int) -> Strip:
+def key_row(look: Look, words: Words, width: int, keys: Sequence[Key] = KEYS) -> Strip:
     """As many keys as fit."""
     row = Row(look.bar)
-    for key, english, german in KEY_LINE:
+    other = {usual.shown: key.shown for usual, key in zip(KEYS, keys, strict=True) if usual.keys != key.keys}
+    for usual, english, german in KEY_LINE:
+        key = other.get(usual, usual)
         text = f"{key} {words.pick(english, german)}"
         if row.width + len(text) + 1 > width:
             break

@@ -15,6 +15,7 @@ from cnc_front.errors import Exit, UsageError
 from cnc_front.history import place
 from tui.app import Terminal
 from tui.archive import Archive
+from tui.keys import KEYS, Key
 from tui.look import Look, choose_look
 from tui.words import Words
 
@@ -24,6 +25,11 @@ STANDSTILL_S, END_S = 5.0, 3.0
 
 def run_terminal(options: argparse.Namespace, language: str) -> int:
     """Until the operator quits. Raises UsageError where there is no terminal to draw on."""
+    if options.keys:
+        from tui.keymap import table_text
+
+        print(table_text(keys_of(options), Words(language)))
+        return int(Exit.DONE)
     if options.plain:
         return run_plain(options, language)
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
@@ -31,16 +37,25 @@ def run_terminal(options: argparse.Namespace, language: str) -> int:
     look = choose_look(options.theme, options.glyphs, os.environ)
     if options.job and is_sap(options):
         return debug(options, look, Words(language))
+    keys = keys_of(options)
     engine = make_engine(options, language)
     archive = Archive(place(options.history), language)
     try:
-        terminal = Terminal(engine, look, Words(language), job=options.job, archive=archive)
+        terminal = Terminal(engine, look, Words(language), job=options.job, archive=archive, keys=keys)
         hold_when_hung_up(engine, terminal.leave_from_thread)
-        terminal.run()
+        terminal.run(mouse=not options.no_mouse)
         return int(Exit.DONE if terminal.return_code == 0 else Exit.STOPPED)
     finally:
         engine.close()
         archive.close()
+
+
+def keys_of(options: argparse.Namespace) -> tuple[Key, ...]:
+    """The keys, with what the keymap file changes. Raises UsageError."""
+    from tui import keymap
+
+    path = keymap.place(options.keymap, os.environ)
+    return KEYS if path is None else keymap.read_keymap(path)
 
 
 def run_plain(options: argparse.Namespace, language: str) -> int:

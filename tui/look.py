@@ -1,4 +1,6 @@
-"""Colours and glyphs: themes dark, light and mono (ui-guide section 5). No fact is carried by colour alone."""
+"""Colours and glyphs: themes dark, light, ansi (16 colours) and mono (ui-guide section 5).
+
+No fact is carried by colour alone."""
 
 from __future__ import annotations
 
@@ -40,6 +42,11 @@ class Look:
     def foreground(self) -> str:
         """Colour of text."""
         return self.text.color.name if self.text.color else ""
+
+    @property
+    def is_ansi(self) -> bool:
+        """The terminal's own colours, or none."""
+        return self.name in ("mono", "ansi")
 
     @property
     def is_plain(self) -> bool:
@@ -122,6 +129,22 @@ THEMES: Mapping[str, Mapping[str, Style]] = {
         hold_ink="#202020",
         alarm_ink="#ffffff",
     ),
+    "ansi": _colours(
+        "black",
+        "white",
+        dim="white",
+        strong="bright_white",
+        good="bright_cyan",
+        warn="bright_yellow",
+        bad="bright_red",
+        todo="bright_black",
+        panel="blue",
+        target="bright_cyan",
+        target_ink="black",
+        hold="bright_yellow",
+        hold_ink="black",
+        alarm_ink="black",
+    ),
     "mono": _MONO,
 }
 
@@ -131,7 +154,8 @@ def choose_look(theme: str | None, glyphs: str | None, environment: Mapping[str,
     term = environment.get("TERM", "")
     plain = term in ("dumb", "linux", "vt100", "vt220")
     colourless = bool(environment.get("NO_COLOR")) or term in ("dumb", "vt100", "vt220")
-    return make_look(theme or ("mono" if colourless else "dark"), glyphs or ("ascii" if plain else "quadrant"))
+    usual = "mono" if colourless else "ansi" if term == "linux" else "dark"
+    return make_look(theme or usual, glyphs or ("ascii" if plain else "quadrant"))
 
 
 def make_look(theme: str, glyphs: str) -> Look:

@@ -200,6 +200,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "help_states": ("States", "Zustände"),
     "help_scroll": ("Up/Down scroll   F3 Run", "Auf/Ab blättern   F3 Lauf"),
+    "keymap_head": (
+        "ACTION = KEY, KEY; only lines that change something are needed. Space and Esc always hold.",
+        "AKTION = TASTE, TASTE; nur geänderte Zeilen sind nötig. Leertaste und Esc halten immer an.",
+    ),
     "plain_hello": (
         "Line mode: help lists the commands; an empty line holds.",
         "Zeilenmodus: hilfe nennt die Befehle; eine leere Zeile hält an.",

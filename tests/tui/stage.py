@@ -15,6 +15,7 @@ from textual.pilot import Pilot
 
 from tests.tui.fake import FakeEngine
 from tui.app import Terminal
+from tui.keys import KEYS
 from tui.look import make_look
 from tui.words import Words
 
@@ -93,6 +94,7 @@ def play(script: Script, engine: FakeEngine | None = None, size: tuple[int, int]
             paced=False,
             settle_s=0.0,
             archive=look.get("archive"),
+            keys=look.get("keys", KEYS),
         )
         app.operation.late_s = 60.0  # the machine of the tests may be slow
         async with app.run_test(size=size) as pilot:

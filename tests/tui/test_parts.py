@@ -170,7 +170,7 @@ def test_the_environment_chooses_colours_and_glyphs() -> None:
         return look.name, look.glyphs
 
     assert chosen(TERM="xterm-256color") == ("dark", "quadrant")
-    assert chosen(TERM="linux") == ("dark", "ascii")
+    assert chosen(TERM="linux") == ("ansi", "ascii")
     assert chosen(TERM="dumb") == ("mono", "ascii")
     assert chosen(TERM="xterm", NO_COLOR="1") == ("mono", "quadrant")
     assert choose_look("light", "braille", {"TERM": "dumb", "NO_COLOR": "1"}).name == "light"

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rich.style import Style
 from textual.strip import Strip
 
-from tui.keys import KEYS
+from tui.keys import KEYS, Key
 from tui.look import Look
 from tui.pages.base import Page
 from tui.rows import Row
@@ -21,13 +23,13 @@ class HelpPage(Page):
 
     def rows(self, shown: Shown, width: int, height: int) -> list[Strip]:
         """All of it; it scrolls."""
-        return help_rows(shown.look, shown.words, width)
+        return help_rows(shown.look, shown.words, width, self.app.keys_table)
 
 
-def help_rows(look: Look, words: Words, width: int) -> list[Strip]:
+def help_rows(look: Look, words: Words, width: int, keys: Sequence[Key] = KEYS) -> list[Strip]:
     """All keys, then all states, from their tables."""
     rows = [Row(look.strong).add(f" {words('help_title')}"), Row(look.warn).add(f" {words('help_stop')}")]
-    for key in KEYS:
+    for key in keys:
         if key.shown:
             text = words.pick(key.english, key.german)
             rows.append(Row(look.text).add(f"  {key.shown}", look.strong).at(16, text))
