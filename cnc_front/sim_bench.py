@@ -105,6 +105,7 @@ class Bench:
         """The machine stands elsewhere: a program has moved it. Outputs and the common double of S stay."""
         self.place = self.place.moved(at)
         self.mcu, self.doing, self.held = self.place.boot(self.file), "", False
+        self.place = self.place.moved(self.positions())  # a program begins on whole counts, as the set points do
         for axis in range(len(at)):
             self.mcu.wrdigo(axis, outputs)
         self.mcu.wrcd(*speed)

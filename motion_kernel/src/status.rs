@@ -61,8 +61,8 @@ impl Mcu {
     pub fn status(&self) -> Snapshot {
         let leader = &self.axes[self.leader];
         let mv = self.current_move(self.leader);
-        let done = mv.map_or(0.0, |mv| mv.profile.at(leader.t).0);
-        let (entry, line) = mv.map_or_else(|| self.standing_before(self.leader), |mv| (mv.number, mv.line));
+        let (entry, line, done) =
+            mv.map_or_else(|| self.standing_before(self.leader), |mv| (mv.number, mv.line, mv.profile.at(leader.t).0));
         Snapshot {
             sample: self.sample,
             axes: (0..self.axes.len()).map(|a| self.axis_snapshot(a)).collect(),
@@ -83,18 +83,29 @@ impl Mcu {
         }
     }
 
-    /// Number and line of the wait that an axis is in, or of what comes next where its spooler stands.
-    fn standing_before(&self, a: usize) -> (u32, u32) {
+    /// Number and line of the wait that an axis is in, or of what comes next where its spooler stands, and how much
+    /// of that was done before a hold cut it.
+    fn standing_before(&self, a: usize) -> (u32, u32, f64) {
         let axis = &self.axes[a];
         if let Some(function) = axis.function {
-            return (0, function.line);
+            return (0, function.line, 0.0);
         }
         match axis.spooler.entries().front() {
             Some(Entry::Move { slot, .. }) if axis.spooler.state == SpoolState::Held => {
-                (self.moves[*slot].number, self.moves[*slot].line)
+                (self.moves[*slot].number, self.moves[*slot].line, self.moves[*slot].from)
             }
-            Some(Entry::Function(function)) if axis.spooler.state == SpoolState::Held => (0, function.line),
-            _ => (0, 0),
+            Some(Entry::Function(function)) if axis.spooler.state == SpoolState::Held => (0, function.line, 0.0),
+            _ => (0, 0, 0.0),
+        }
+    }
+
+    /// Where the present block of an axis ends, also while a hold stands in it; else where the axis is.
+    fn target_of(&self, a: usize) -> f64 {
+        let axis = &self.axes[a];
+        match axis.spooler.entries().front() {
+            _ if axis.travels() => axis.component.target,
+            Some(Entry::Move { component, .. }) if axis.spooler.state == SpoolState::Held => component.target,
+            _ => axis.dp,
         }
     }
 
@@ -106,7 +117,7 @@ impl Mcu {
             rp: self.loops[a].rp(),
             load: self.loops[a].load(),
             dv: axis.dv,
-            target: if axis.travels() { axis.component.target } else { axis.dp },
+            target: self.target_of(a),
             mcis: axis.spooler.moves(),
             lsm: axis.spooler.left(),
             memory: self.machine.controller.spool_memory_bytes,

@@ -221,6 +221,28 @@ def test_the_outcome_is_that_of_run(engine: SimEngine, cli: Cli) -> None:
     assert again is not None and again.number == 2
 
 
+def test_progress_stands_still_in_a_hold(engine: SimEngine) -> None:
+    """Also in the middle of a block: what a hold cut off is not taken for the whole block."""
+    loaded(engine, ROOT / "examples/faults/contour.nc")
+    engine.set_speed(1)
+    engine.start()
+    assert engine.wait(10, lambda s: s.path_done_mm > 20)
+    engine.hold()
+    assert engine.wait(5, is_in(State.HOLD))
+    held = engine.snapshot()
+    assert 20 < held.path_done_mm < 60 and held.path_done_mm == pytest.approx(held.axes[0].command + 1.0, abs=1e-6)
+    assert held.axes[0].to_go == pytest.approx(50 - held.axes[0].command, abs=1e-9) and held.axes[1].to_go == 0.0
+
+
+def test_a_second_run_begins_where_the_first_left_the_machine(engine: SimEngine, job: Callable[..., Path]) -> None:
+    loaded(engine, job("G90 G21 G17\nG1 X10.12345678 Y3.3333333 F3000\nG1 X1.7654321\nM30\n"))
+    for number in (1, 2):
+        engine.start()
+        assert engine.wait(20, lambda s, n=number: (o := engine.outcome()) is not None and o.number == n)  # type: ignore[misc]
+        outcome = engine.outcome()
+        assert outcome is not None and outcome.run["verdict"]["word"] == "PASS", outcome.run["verdict"]
+
+
 def test_the_outcome_of_an_aborted_run(engine: SimEngine, job: Callable[..., Path]) -> None:
     loaded(engine, job("G90 G21 G17\nG1 X400 F300\nM30\n"))
     engine.set_speed(5)
