@@ -284,11 +284,12 @@ impl Mcu {
             ac,
             tvl,
             jerkrel,
-            limits,
             users: command.axes.len() as u32,
             junction_v2: junction_v * junction_v,
             ..Move::default()
         });
+        // not with the rest: a wide copy directly behind narrow stores waits for them
+        self.moves[slot].limits = limits;
         let tangent = self.lookahead.append(&mut self.moves, slot, before);
         let end = path::point(geometry.length, geometry.curvature);
         for (&component, a) in components.iter().zip(command.axes.iter()) {
