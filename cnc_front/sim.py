@@ -74,6 +74,7 @@ class SimEngine:
         self._service: Service | None = None
         self._service_asked = self._service_at = 0.0
         self._clock = (0.0, 0)
+        self._holds = 0
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._work, name="sim-engine", daemon=True)
         self._thread.start()
@@ -125,10 +126,12 @@ class SimEngine:
     def start(self) -> None:
         """Starts the loaded job, or goes on where it stands. Where the machine or the switches have changed since the
         job was checked, it is checked again first; if that takes long, it has to be started again."""
-        self._wish(self._start)
+        holds = self._holds
+        self._wish(lambda: self._start(holds))
 
     def hold(self) -> None:
         """Feed hold: brakes on the path; `resume` goes on (design D5)."""
+        self._holds += 1  # a start that waits for its check is off
         self._wish(self._machine.hold)
 
     def resume(self) -> None:
@@ -137,10 +140,12 @@ class SimEngine:
 
     def step(self) -> None:
         """Executes one block; sets single block if it is off."""
-        self._wish(self._step)
+        holds = self._holds
+        self._wish(lambda: self._start(holds, step=True))
 
     def reset(self) -> None:
         """Brakes on the path and drops the spooler; the job must be started again. Clears an ended job."""
+        self._holds += 1
         self._wish(lambda: self._paced(self._machine.reset))
 
     def set_override(self, factor: float) -> None:
@@ -309,23 +314,16 @@ class SimEngine:
 
         job.time_total_s = run_time_s(job.job, superseded)
 
-    def _start(self) -> None:
+    def _start(self, holds: int, *, step: bool = False) -> None:
         machine = self._machine
         asked = machine.stale() if machine.is_free else None
         if asked is None:
-            self._paced(machine.start)
+            self._paced(machine.step if step else machine.start)
         else:
-            threading.Thread(target=self._check_again, args=(asked, False), name="sim-check", daemon=True).start()
+            check = threading.Thread(target=self._check_again, args=(asked, holds, step), name="sim-check", daemon=True)
+            check.start()
 
-    def _step(self) -> None:
-        machine = self._machine
-        asked = machine.stale() if machine.is_free else None
-        if asked is None:
-            self._paced(machine.step)
-        else:
-            threading.Thread(target=self._check_again, args=(asked, True), name="sim-check", daemon=True).start()
-
-    def _check_again(self, asked: Asked, step: bool) -> None:
+    def _check_again(self, asked: Asked, holds: int, step: bool) -> None:
         began = time.monotonic()
         try:
             loaded = self._loader.load(asked.path, asked.start, asked.switches, self._machine.bench)
@@ -333,7 +331,7 @@ class SimEngine:
             reason = str(error.diagnostics[0]).partition("\n")[0]
             self._wish(lambda: self._tell("not_checked", finding=reason))
             return
-        self._wish(lambda: self._begin(loaded, step, time.monotonic() - began <= PROMPT_S))
+        self._wish(lambda: self._begin(loaded, step, holds == self._holds and time.monotonic() - began <= PROMPT_S))
 
     def _begin(self, loaded: Loaded, step: bool, prompt: bool) -> None:
         machine = self._machine

@@ -14,7 +14,7 @@ from tui.look import Look
 from tui.program import block_name
 from tui.rows import Row
 from tui.states import FACES
-from tui.values import Shown
+from tui.values import Shown, is_low
 from tui.words import Words
 
 
@@ -41,6 +41,8 @@ def header(shown: Shown, switches: tuple[tuple[str, bool], ...], warnings: int, 
     )
     word = f"{face.symbol} {words.pick(face.english, face.german)}{shown.doubt.strip()}"
     row.add(word, getattr(look, face.style)).add(gap)
+    if is_low(s):
+        row.add(words("low"), look.warn).add(gap)
     right = Row(look.bar)
     for name, on in switches:
         _flag(right, look, name, on)

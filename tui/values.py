@@ -92,7 +92,8 @@ def _feed(shown: Shown) -> str:
     return f"{shown.snapshot.feed_actual:.0f} / {shown.snapshot.feed_programmed:.0f} mm/min"
 
 
-def _is_low(snapshot: Snapshot) -> bool:
+def is_low(snapshot: Snapshot) -> bool:
+    """It runs, but so slowly that it may seem to stand."""
     return snapshot.state is State.RUNNING and snapshot.override_effective < LOW_OVERRIDE
 
 
@@ -111,7 +112,7 @@ def wide_rows(shown: Shown) -> list[Strip]:
     rows.append(_pulse(shown))
     feed = Row(value).add(" F", look.dim).at(8, _feed(shown))
     feed.at(31, f"{words('override')} {words('set')} {s.override_set * 100:.0f} % ")
-    feed.add(f"{words('effective')} {s.override_effective * 100:.0f} %", look.warn if _is_low(s) else value)
+    feed.add(f"{words('effective')} {s.override_effective * 100:.0f} %", look.warn if is_low(s) else value)
     done = f"{s.path_done_mm:.1f} / {s.path_total_mm:.1f} mm"
     path = Row(value).add(f" {words('path')}", look.dim).at(8, done)
     path.at(31, f"{words('time')} {minutes(s.machine_time_s)} / {minutes(s.time_total_s)} (sim)")
@@ -176,7 +177,7 @@ def compact_rows(shown: Shown, width: int) -> list[Strip]:
     fill = max((axis.spool_fill for axis in s.axes), default=0.0)
     right = (
         ("F", _feed(shown), value),
-        (words("override"), override, look.warn if _is_low(s) else value),
+        (words("override"), override, look.warn if is_low(s) else value),
         (words("deviation"), worst, _deviation_style(shown)),
         (words("spool"), f"{fill * 100:.0f} %  {s.spool_empty_s:.1f} s", value),
     )

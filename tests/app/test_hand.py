@@ -206,6 +206,17 @@ def test_a_job_begins_where_the_machine_stands(engine: SimEngine, job: Callable[
     assert commands(done) == [0.0, 0.0, 0.0]
 
 
+def test_hold_takes_back_a_start_that_waits_for_its_check(engine: SimEngine, job: Callable[..., Path]) -> None:
+    loaded(engine, job(JOB))
+    settled(engine, lambda: engine.jog("Y", -5.0))
+    engine.start()
+    engine.hold()
+    assert engine.wait(5, lambda s: "checked again" in s.message)
+    after = settled(engine, lambda: None)
+    assert after.state is State.READY and commands(after)[1] == -5.0
+    assert run(engine).state is State.DONE
+
+
 def test_a_job_that_no_longer_fits_does_not_start(engine: SimEngine, job: Callable[..., Path]) -> None:
     loaded(engine, job("G91 G21\nG1 X550 F6000\nM30\n"))
     settled(engine, lambda: engine.jog("X", 100.0))

@@ -361,6 +361,19 @@ def test_the_message_says_which_stop_and_what_goes_on(values: dict[str, Any], sa
     play(script, size=NARROW)
 
 
+@pytest.mark.parametrize("size", [WIDE, NARROW])
+def test_a_low_override_is_said_beside_running(size: tuple[int, int]) -> None:
+    async def script(stage: Stage) -> None:
+        await stage.load()
+        stage.engine.run_half()
+        assert "override low" not in await stage.frame()
+        stage.engine.show(override_effective=0.19)
+        assert "> RUNNING" in (await stage.frame()).splitlines()[0]
+        assert "override low" in stage.text.splitlines()[0]
+
+    play(script, size=size)
+
+
 def _at(engine: FakeEngine, page: str) -> Snapshot:
     engine.show(switches=Switches(dry_run=True), rapid_set=0.5)
     if page == "mdi":
