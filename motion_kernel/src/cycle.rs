@@ -3,6 +3,7 @@
 use crate::axes::AxisSet;
 use crate::axis::{Axis, Doing, Wait};
 use crate::cause::{Cause, Limit};
+use crate::listing::Came;
 use crate::mcu::{Mcu, PointCache, WAIT_CI};
 use crate::path::point;
 use crate::position_loop::PositionLoop;
@@ -126,6 +127,9 @@ impl Mcu {
         axis.limit = mv.limits.end;
         axis.doing = Doing::Nothing;
         let direct = mv.direct;
+        if self.moves[slot].users == 1 {
+            self.tell_passage(slot, if whole { Came::Done } else { Came::Cut });
+        }
         self.let_go(slot);
         if direct {
             self.forbid_target_velocity(a);
@@ -220,6 +224,7 @@ impl Mcu {
         mv.profile = Profile::spooled(&request);
         mv.planned = true;
         mv.explain(start, end, request.max_v);
+        self.tell_passage(slot, Came::Begun);
     }
 
     /// NoTriangle (design D16): a move that cannot reach its velocity keeps the higher of its junction speeds. Less

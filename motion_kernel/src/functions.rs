@@ -84,6 +84,7 @@ impl Mcu {
             return Entered::Full;
         }
         self.axes[axis].spooler.push(Entry::Function(function));
+        self.tell_function();
         Entered::Yes
     }
 

@@ -23,6 +23,7 @@ pub mod homing;
 mod io;
 mod latch;
 pub mod limits;
+pub mod listing;
 pub mod lookahead;
 pub mod machine;
 pub mod mcu;

@@ -83,7 +83,7 @@ pub enum Stop {
     TaskError { task: usize },
     /// A fault stopped motion: the axis has left its contour (see its axst).
     Fault { axis: usize },
-    /// The event list is half full: drain it and go on.
+    /// The event list, or that of spooled commands, is half full: drain it and go on.
     Events,
 }
 
@@ -152,6 +152,9 @@ pub struct Mcu {
     /// Motion commands given by tasks so far.
     pub(crate) commands: u32,
     pub(crate) events: Events,
+    /// What is spooled, if that is asked for, and the CNC task that gives commands.
+    pub(crate) listing: Option<Box<crate::listing::Listing>>,
+    pub(crate) commanding: u8,
     pub(crate) cache: PointCache,
     pub(crate) pending: Vec<crate::direct::Pending>,
     /// Courses of the command being spooled.
@@ -211,6 +214,8 @@ impl Mcu {
             leader: 0,
             commands: 0,
             events: Events::default(),
+            listing: None,
+            commanding: 0,
             cache: PointCache { slot: NONE, t: 0.0, v: 0.0, point: crate::path::Point::default() },
             components: Vec::with_capacity(MAX_AXES),
             pending: Vec::with_capacity(crate::direct::MOST_PENDING),
@@ -363,7 +368,7 @@ impl Mcu {
         if let Some(axis) = self.told.fault.take() {
             return Some(Stop::Fault { axis });
         }
-        if self.events.is_nearly_full() {
+        if self.events.is_nearly_full() || self.listing.as_ref().is_some_and(|listing| listing.is_nearly_full()) {
             return Some(Stop::Events);
         }
         if self.waiting

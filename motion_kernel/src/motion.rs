@@ -61,6 +61,9 @@ impl Mcu {
         let mut components = std::mem::take(&mut self.components);
         let outcome = match self.course(command, space, &mut components) {
             Ok(geometry) => {
+                if self.listing.is_some() {
+                    self.list(command, space, &geometry, &components);
+                }
                 let slot = self.enter(command, &geometry, &components, space.is_some());
                 self.moves[slot].pcap_index = pcap_index;
                 Entered::Yes

@@ -88,6 +88,7 @@ impl Mcu {
     pub(crate) fn enter_direct_mode(&mut self, a: usize) {
         self.sdels(AxisSet::single(a));
         if let Doing::Move(slot) = self.axes[a].doing {
+            self.tell_cut(slot);
             self.let_go(slot);
         }
         let axis = &mut self.axes[a];

@@ -116,6 +116,11 @@ impl Follower {
         (self.foot, self.d2, self.radial) = (found.place, found.d2, found.radial);
     }
 
+    /// Goes on from a place, whatever was before.
+    pub fn begin(&mut self, foot: Place) {
+        *self = Follower { foot, ..Follower::default() };
+    }
+
     /// Sets the foot back to a place.
     pub fn put(&mut self, foot: Place) {
         (self.foot, self.radial) = (foot, None);

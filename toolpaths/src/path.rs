@@ -1,5 +1,6 @@
 //! The path as programmed: segments in the metric of design D7, in execution order, before merging (design D20).
 
+use crate::ring::Ring;
 use crate::segment::{Circle, LINE, Segment, Shape};
 use crate::sequence::{MAX_AXES, PathError, SequenceView};
 
@@ -48,6 +49,7 @@ pub struct Path {
     starts: Vec<f64>,
     slopes: Vec<f64>,
     pub(crate) circles: Vec<Circle>,
+    pub(crate) rings: Vec<Ring>,
     /// (rows, width): from axis units to mm; 0 in padding columns.
     pub(crate) scales: Vec<f64>,
     blocks: Vec<Block>,
@@ -60,6 +62,9 @@ pub struct Path {
 
 /// A plotted feed line is cut into pieces of about this share of the whole path.
 const LINE_PIECES: f64 = 1000.0;
+
+/// Moves further apart than that, axis units, are drawn apart; rounding to counts is less.
+const GAP: f64 = 0.01;
 
 /// Widths that the inner loops are compiled for.
 pub(crate) const WIDTHS: [usize; 4] = [3, 4, 6, MAX_AXES];
@@ -77,6 +82,7 @@ impl Path {
             starts: Vec::with_capacity(sequence.len() * width),
             slopes: Vec::with_capacity(sequence.len() * width),
             circles: Vec::new(),
+            rings: Vec::new(),
             scales: scales(&sequence, width),
             blocks: Vec::with_capacity(sequence.len()),
             start: sequence.start.to_vec(),
@@ -87,8 +93,12 @@ impl Path {
         let mut from = padded(sequence.start, width);
         for i in 0..sequence.len() {
             let target = padded(&sequence.target[i * axes..(i + 1) * axes], width);
+            if let Some(begin) = sequence.space.begin.get(i * axes..(i + 1) * axes) {
+                from = padded(begin, width);
+            }
             match sequence.kind[i] {
                 0 => path.push_line(&sequence, i, &from, &target),
+                2 => path.push_ring(&sequence, i, &from, &target)?,
                 _ => path.push_circle(&sequence, i, &from, &target)?,
             }
             from = target;
@@ -181,9 +191,22 @@ impl Path {
             if turns {
                 let rate = phi / length;
                 let (mm_per_radian, helical) = (1.0 / rate, straight > 0.0);
-                self.circles.push(Circle { c1, c2, center, radius, theta0, rate, mm_per_radian, helical });
+                self.circles.push(Circle { c1, c2, center, radius, theta0, rate, mm_per_radian, helical, ring: LINE });
             }
             self.push_segment(sequence, i, length, &here, &slope, number);
+        }
+        Ok(())
+    }
+
+    /// A circle in space; axes beside its three stand still.
+    fn push_ring(&mut self, sequence: &SequenceView, i: usize, from: &[f64], to: &[f64]) -> Result<(), PathError> {
+        let row = sequence.effradius_of[i];
+        let (here, end) = (self.scaled(row, from), self.scaled(row, to));
+        let scale = self.scales[usize::from(row) * self.width..][..self.width].to_vec();
+        let (length, number) = self.ring(sequence, i, &scale, &here, &end)?;
+        self.push_block(sequence, i, sequence.line[i]);
+        if length > 0.0 {
+            self.push_segment(sequence, i, length, &here, &vec![0.0; self.width], number);
         }
         Ok(())
     }
@@ -268,10 +291,12 @@ impl Path {
 
     pub(crate) fn shape<const N: usize>(&self, i: usize) -> Shape<'_, N> {
         let at = i * N;
+        let circle = self.circles.get(self.segments[i].circle as usize);
         Shape {
             start: self.starts[at..at + N].try_into().expect("width of the path"),
             slope: self.slopes[at..at + N].try_into().expect("width of the path"),
-            circle: self.circles.get(self.segments[i].circle as usize),
+            circle,
+            ring: circle.and_then(|c| self.rings.get(c.ring as usize)),
         }
     }
 
@@ -288,6 +313,10 @@ impl Path {
             }
             let Some(c) = self.circles.get(segment.circle as usize) else { continue };
             let scale = &self.scales[usize::from(segment.scale) * self.width..];
+            if let Some(ring) = self.rings.get(c.ring as usize) {
+                ring.extremes(c.radius, segment.length * c.rate).for_each(|(a, x)| grow(a, x / scale[a]));
+                continue;
+            }
             for (axis, centre, quarter) in [(c.c1, c.center[0], 0.0), (c.c2, c.center[1], 1.0)] {
                 let (low, high) = reached(c, segment.length, quarter);
                 if low {
@@ -323,6 +352,10 @@ impl Path {
             if keep_every > 1 && !block.rapid && i % keep_every != 0 && i + 1 != self.segments.len() {
                 continue;
             }
+            let begin = self.position(i, 0.0);
+            if line.ends_off(&begin) {
+                line.push(&begin, block.line, true, segment.s0);
+            }
             for k in 1..=pieces {
                 let t = segment.length * k as f64 / pieces as f64;
                 line.push(&self.position(i, t), block.line, block.rapid, segment.s0 + t);
@@ -344,17 +377,26 @@ impl Path {
     pub(crate) fn position(&self, i: usize, t: f64) -> Vec<f64> {
         let (at, segment) = (i * self.width, &self.segments[i]);
         let mut p: Vec<f64> = (0..self.axes).map(|a| self.starts[at + a] + t * self.slopes[at + a]).collect();
-        if let Some(c) = self.circles.get(segment.circle as usize) {
+        let circle = self.circles.get(segment.circle as usize);
+        if let Some((c, ring)) = circle.and_then(|c| Some((c, self.rings.get(c.ring as usize)?))) {
+            ring.axes.into_iter().zip(ring.at(c.radius, t * c.rate)).for_each(|(a, x)| p[a] = x);
+        } else if let Some(c) = circle {
             let (sin, cos) = (c.theta0 + t * c.rate).sin_cos();
             p[c.c1] = c.center[0] + c.radius * cos;
             p[c.c2] = c.center[1] + c.radius * sin;
         }
         let scale = &self.scales[usize::from(segment.scale) * self.width..];
-        p.iter().zip(scale).map(|(x, k)| if *k > 0.0 { x / k } else { 0.0 }).collect()
+        // axes that do not count stay in the picture where they began
+        p.iter().zip(scale).zip(&self.start).map(|((x, k), start)| if *k > 0.0 { x / k } else { *start }).collect()
     }
 }
 
 impl Polyline {
+    /// The last vertex is elsewhere: what follows begins anew.
+    fn ends_off(&self, point: &[f64]) -> bool {
+        let last = &self.points[self.points.len().saturating_sub(point.len())..];
+        last.iter().zip(point).any(|(a, b)| (a - b).abs() > GAP)
+    }
     fn push(&mut self, point: &[f64], line: u32, rapid: bool, s_mm: f64) {
         self.points.extend_from_slice(point);
         self.lines.push(line);

@@ -2,6 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use crate::ring::Ring;
+
 /// Marks a segment without circle.
 pub const LINE: u32 = u32::MAX;
 
@@ -37,6 +39,15 @@ pub struct Circle {
     pub mm_per_radian: f64,
     /// Other axes move too.
     pub helical: bool,
+    /// Number of its place in space, or [`LINE`]: a circle of the axes `c1` and `c2`.
+    pub ring: u32,
+}
+
+impl Circle {
+    /// It lies in the plane of two axes.
+    pub fn is_plane(&self) -> bool {
+        self.ring == LINE
+    }
 }
 
 /// The nearest point of a piece of a segment: arc length from the segment's start, squared distance.
@@ -58,6 +69,8 @@ pub struct Shape<'a, const N: usize> {
     /// Change of each coordinate per mm of path; 0 in the circle axes.
     pub slope: &'a [f64; N],
     pub circle: Option<&'a Circle>,
+    /// Where that circle lies in space, unless it is one of two axes.
+    pub ring: Option<&'a Ring>,
 }
 
 impl<const N: usize> Shape<'_, N> {
@@ -72,6 +85,7 @@ impl<const N: usize> Shape<'_, N> {
     pub fn nearest(&self, x: &[f64; N], a: f64, b: f64, radial: Radial) -> Nearest {
         match self.circle {
             None => self.nearest_on_line(x, a, b),
+            Some(c) if let Some(ring) = self.ring => self.nearest_on_ring(ring, c, x, a, b),
             Some(c) if c.helical => {
                 self.near_helix(c, x, a, b, radial).unwrap_or_else(|| self.nearest_on_helix(c, x, a, b))
             }
@@ -178,6 +192,9 @@ impl<const N: usize> Shape<'_, N> {
         let Some(c) = self.circle else {
             return (std::array::from_fn(|a| self.start[a] + t * self.slope[a]), *self.slope);
         };
+        if let Some(ring) = self.ring {
+            return (self.on_ring(ring, c, t), self.tangent_of_ring(ring, c, t));
+        }
         let out = self.radial(c, t);
         let mut tangent = *self.slope;
         tangent[c.c1] = -c.radius * c.rate * out[1];
@@ -235,6 +252,9 @@ impl<const N: usize> Shape<'_, N> {
             let off = |i: usize| x[i] - self.start[i] - t * self.slope[i];
             return (self.slope[0] * off(1) - self.slope[1] * off(0)) * plane_scale;
         };
+        if let Some(ring) = self.ring {
+            return self.left_of_ring(ring, c, x, t);
+        }
         let out = radial.unwrap_or_else(|| self.radial(c, t));
         let (dx, dy) = (x[c.c1] - c.center[0], x[c.c2] - c.center[1]);
         (c.radius - dx * out[0] - dy * out[1]) * c.rate.signum()
@@ -295,11 +315,20 @@ mod tests {
             let turn = (1.0f64 - rise * rise).sqrt() * if round % 3 == 0 { -1.0 } else { 1.0 };
             let rate = turn / radius;
             let center = [next(-5.0, 5.0), next(-5.0, 5.0)];
-            let circle =
-                Circle { c1: 0, c2: 1, center, radius, theta0, rate, mm_per_radian: 1.0 / rate, helical: rise != 0.0 };
+            let circle = Circle {
+                c1: 0,
+                c2: 1,
+                center,
+                radius,
+                theta0,
+                rate,
+                mm_per_radian: 1.0 / rate,
+                helical: rise != 0.0,
+                ring: LINE,
+            };
             let start = [center[0] + radius * theta0.cos(), center[1] + radius * theta0.sin(), 1.0];
             let slope = [0.0, 0.0, rise];
-            let shape = Shape { start: &start, slope: &slope, circle: Some(&circle) };
+            let shape = Shape { start: &start, slope: &slope, circle: Some(&circle), ring: None };
             let a = next(0.0, 3.0) * radius;
             let b = a + next(0.05, 1.0) * shape.piece();
             let x = [center[0] + next(-10.0, 10.0), center[1] + next(-10.0, 10.0), 1.0 + next(-3.0, 3.0)];

@@ -9,7 +9,7 @@ pub struct SequenceView<'a> {
     pub axes: usize,
     /// Position before the first command, one per axis.
     pub start: &'a [f64],
-    /// 0 line, 1 circle or helix.
+    /// 0 line, 1 circle or helix, 2 circle in space.
     pub kind: &'a [u8],
     /// 1-based source line.
     pub line: &'a [u32],
@@ -35,6 +35,19 @@ pub struct SequenceView<'a> {
     pub effradius: &'a [f64],
     /// (n): row of `effradius` that holds for the move.
     pub effradius_of: &'a [u16],
+    /// What only commands of rw_SymPas jobs have; empty columns where there are none.
+    pub space: Space<'a>,
+}
+
+/// Circles in space (kind 2, in the axes `c1`, `c2`, `c3`), and moves that do not begin where the one before ended.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Space<'a> {
+    /// (n, axes): position of all axes before the move, or empty: that after the move before.
+    pub begin: &'a [f64],
+    /// (n), (n, 3), (n, 3) or empty: third axis, centre in axis units, normal of the plane in the metric of the path.
+    pub c3: &'a [u8],
+    pub center: &'a [f64],
+    pub normal: &'a [f64],
 }
 
 /// Why a sequence is no path. `line` is the source line, `command` counts motion commands from 1.
@@ -113,6 +126,10 @@ impl SequenceView<'_> {
             ("via_target", self.via_target.len(), m * a),
             ("effradius_of", self.effradius_of.len(), n),
             ("effradius", self.effradius.len(), self.effradius.len() / a * a),
+            ("begin", self.space.begin.len(), if self.space.begin.is_empty() { 0 } else { n * a }),
+            ("c3", self.space.c3.len(), if self.space.c3.is_empty() { 0 } else { n }),
+            ("center3", self.space.center.len(), self.space.c3.len() * 3),
+            ("normal", self.space.normal.len(), self.space.c3.len() * 3),
         ];
         match columns.into_iter().find(|&(_, found, expected)| found != expected) {
             Some((name, found, expected)) => Err(PathError::Column { name, expected, found }),
@@ -127,6 +144,9 @@ impl SequenceView<'_> {
         let finite = |values: &[f64]| values.iter().all(|x| x.is_finite());
         if !finite(&self.target[i * a..(i + 1) * a]) {
             return Some("target is not finite");
+        }
+        if !finite(self.space.begin.get(i * a..(i + 1) * a).unwrap_or(&[])) {
+            return Some("begin is not finite");
         }
         if !(self.vl[i] > 0.0 && self.vl[i].is_finite()) {
             return Some("path velocity is not a positive number");
@@ -143,8 +163,22 @@ impl SequenceView<'_> {
         match self.kind[i] {
             0 => None,
             1 => self.arc_fault_of(i),
+            2 => self.ring_fault_of(i),
             _ => Some("kind is neither line nor circle"),
         }
+    }
+
+    fn ring_fault_of(&self, i: usize) -> Option<&'static str> {
+        let Some(&c3) = self.space.c3.get(i) else { return Some("columns of circles in space are missing") };
+        let [a, b, c] = [self.c1[i], self.c2[i], c3].map(usize::from);
+        if a.max(b).max(c) >= self.axes || a == b || b == c || a == c {
+            return Some("circle axes are not three different axes of the machine");
+        }
+        if self.via_count[i] > 0 {
+            return Some("an arc cannot have via points");
+        }
+        let numbers = [&self.space.center[3 * i..3 * i + 3], &self.space.normal[3 * i..3 * i + 3], &self.phi[i..=i]];
+        (!numbers.concat().iter().all(|x| x.is_finite())).then_some("centre, normal or angle is not finite")
     }
 
     fn arc_fault_of(&self, i: usize) -> Option<&'static str> {

@@ -227,6 +227,19 @@ impl Tracker {
         &self.watched.signed_mm
     }
 
+    /// Puts the foot of the set point, and with `both` that of the load side, to the start of a segment: the run is
+    /// elsewhere now, and what was between is not measured.
+    pub(crate) fn put(&mut self, segment: usize, both: bool, dp: &[f64]) {
+        let place = Place { segment, t: 0.0 };
+        self.setpoint.follower.begin(place);
+        if both {
+            self.actual.follower.begin(place);
+            self.evidence.begin(dp);
+        }
+        self.last_deviation = 0.0;
+        self.last_dp.copy_from_slice(dp);
+    }
+
     /// Measures a chunk. The columns must have matching lengths (rows of `axes` values).
     pub fn feed(&mut self, chunk: &Chunk, out: &mut PerSample) {
         let n = chunk.factor.len();

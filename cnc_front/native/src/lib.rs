@@ -7,6 +7,7 @@ mod debug;
 mod evidence;
 mod geometry;
 mod kernel;
+mod listing;
 mod machine;
 mod motion;
 mod paths;

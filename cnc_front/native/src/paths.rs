@@ -8,7 +8,10 @@ use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyA
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use toolpaths::{BlockLimit, BlockStats, DeviationSummary, MinMax, Passage, SequenceView, Summary, TrackerOptions};
+use toolpaths::{
+    BlockLimit, BlockStats, DeviationSummary, MinMax, Passage, SequenceView, Space, Stretch, Stretches, Summary,
+    TrackerOptions,
+};
 
 use crate::chunk::Chunk;
 
@@ -29,6 +32,20 @@ fn column<'py, T: numpy::Element>(sequence: &Bound<'py, PyDict>, name: &str) -> 
     value.call_method0("ravel")?.extract::<PyReadonlyArray1<'py, T>>()
 }
 
+/// A column that only rw_SymPas jobs have.
+fn optional<'py, T: numpy::Element>(
+    sequence: &Bound<'py, PyDict>,
+    name: &str,
+) -> PyResult<Option<PyReadonlyArray1<'py, T>>> {
+    if sequence.contains(name)? { column(sequence, name).map(Some) } else { Ok(None) }
+}
+fn slice<'a, T: numpy::Element>(column: &'a Option<PyReadonlyArray1<'_, T>>) -> PyResult<&'a [T]> {
+    Ok(match column {
+        Some(column) => column.as_slice()?,
+        None => &[],
+    })
+}
+
 #[pymethods]
 impl Path {
     /// From the columns of gcode.Program.sequence().
@@ -44,6 +61,8 @@ impl Path {
         let (via_line, via_target) = (column::<u32>(sequence, "via_line")?, column::<f64>(sequence, "via_target")?);
         let (effradius, effradius_of) =
             (column::<f64>(sequence, "effradius")?, column::<u16>(sequence, "effradius_of")?);
+        let (begin, c3) = (optional::<f64>(sequence, "begin")?, optional::<u8>(sequence, "c3")?);
+        let (center3, normal) = (optional::<f64>(sequence, "center3")?, optional::<f64>(sequence, "normal")?);
         let view = SequenceView {
             axes: start.len(),
             start: start.as_slice()?,
@@ -62,6 +81,7 @@ impl Path {
             via_target: via_target.as_slice()?,
             effradius: effradius.as_slice()?,
             effradius_of: effradius_of.as_slice()?,
+            space: Space { begin: slice(&begin)?, c3: slice(&c3)?, center: slice(&center3)?, normal: slice(&normal)? },
         };
         let path = py.detach(|| toolpaths::Path::new(view)).map_err(|e| PyValueError::new_err(e.to_string()))?;
         Ok(Path { inner: Arc::new(path) })
@@ -117,6 +137,8 @@ impl Path {
 pub struct Tracker {
     inner: toolpaths::Tracker,
     axes: usize,
+    /// The parts of the run that are on the path, unless it is the whole.
+    stretches: Option<Stretches>,
 }
 
 #[pymethods]
@@ -133,7 +155,18 @@ impl Tracker {
     ) -> Tracker {
         let at_speed = Cause::AT_SPEED.iter().fold(0, |bits, &cause| bits | 1 << cause as u64);
         let options = TrackerOptions { sample_time_s, schedule, trovrst_s, buckets, at_speed, passages };
-        Tracker { inner: toolpaths::Tracker::new(path.inner.clone(), options), axes: path.inner.axes() }
+        Tracker {
+            inner: toolpaths::Tracker::new(path.inner.clone(), options),
+            axes: path.inner.axes(),
+            stretches: None,
+        }
+    }
+
+    /// Only these parts of the run are on the path: first and last sample, first motion command (from 0), and whether the
+    /// load side is measured until the axes move again. Before the first chunk.
+    fn set_stretches(&mut self, rows: Vec<(u64, u64, usize, bool)>) {
+        let stretch = |(begin, end, command, settles)| Stretch { begin, end, command, settles };
+        self.stretches = Some(Stretches::new(rows.into_iter().map(stretch).collect()));
     }
 
     /// Collects the largest deviation per piece of a polyline, given by the path length at its vertices.
@@ -295,10 +328,13 @@ impl Tracker {
             flags: flags.as_slice()?,
         };
         let mut actual = vec![0.0_f32; n];
-        let tracker = &mut self.inner;
+        let (tracker, stretches) = (&mut self.inner, &mut self.stretches);
         py.detach(|| {
             let mut out = toolpaths::PerSample { actual_mm: &mut actual, ..Default::default() };
-            tracker.feed(&chunk, &mut out);
+            match stretches {
+                Some(stretches) => stretches.feed(tracker, &chunk, &mut out),
+                None => tracker.feed(&chunk, &mut out),
+            }
         });
         Ok(actual.into_pyarray(py))
     }

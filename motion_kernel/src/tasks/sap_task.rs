@@ -33,6 +33,7 @@ impl Task {
     pub(super) fn run_sap(&mut self, mcu: &mut Mcu) {
         let share = mcu.machine.controller.statements_per_sample.max(1);
         let Some(sap) = &mut self.sap else { return };
+        mcu.commanding = sap.number as u8;
         let pause = sap.run(mcu, &mut self.output, share);
         self.waiting = pause == Pause::Waiting;
         self.rests = pause == Pause::Writeln;

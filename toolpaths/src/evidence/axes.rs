@@ -67,6 +67,12 @@ impl AxisFit {
         }
     }
 
+    /// Goes on from a standstill elsewhere.
+    pub fn begin(&mut self, dp: f64) {
+        (self.last, self.direction, self.settled) = ([dp, 0.0, 0.0], 0.0, false);
+        (self.extreme, self.begun) = (dp, dp);
+    }
+
     /// A set point, and how far the load is behind it.
     #[inline]
     pub fn add(&mut self, dp: f64, behind: f64) {

@@ -195,7 +195,7 @@ impl Off {
                 (share.most, share.block) = (e.abs(), segment.block);
             }
         }
-        if let Some(c) = shape.circle {
+        if let Some(c) = shape.circle.filter(|c| c.is_plane()) {
             let (dx, dy) = (at.x[c.c1] - c.center[0], at.x[c.c2] - c.center[1]);
             let rho = dx.hypot(dy);
             fit.circle = Some((c.c1, c.c2, c.radius));

@@ -109,6 +109,11 @@ impl Evidence {
         }
     }
 
+    /// The axes are elsewhere now: no motion led there.
+    pub fn begin(&mut self, dp: &[f64]) {
+        self.axes.iter_mut().zip(dp).for_each(|(axis, &dp)| axis.begin(dp));
+    }
+
     #[inline]
     pub fn add_actual<const N: usize>(&mut self, path: &Path, at: &At<N>) {
         self.actual.add(path, at);

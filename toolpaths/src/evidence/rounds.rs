@@ -66,7 +66,7 @@ impl Rounds {
                 last += 1;
                 turned += turn(path, last);
             }
-            if turned >= TAU - SAME_RAD && !circle.helical {
+            if turned >= TAU - SAME_RAD && !circle.helical && circle.is_plane() {
                 rounds.push(round(path, circle, first, last));
             }
             first = last + 1;
@@ -118,7 +118,7 @@ fn turn(path: &Path, segment: usize) -> f64 {
 fn same(circle: &Circle, path: &Path, segment: usize) -> bool {
     path.circles.get(path.segments[segment].circle as usize).is_some_and(|c| {
         let off = (c.center[0] - circle.center[0]).hypot(c.center[1] - circle.center[1]);
-        (c.c1, c.c2, c.helical) == (circle.c1, circle.c2, circle.helical)
+        (c.c1, c.c2, c.helical, c.ring) == (circle.c1, circle.c2, circle.helical, circle.ring)
             && c.rate.signum() == circle.rate.signum()
             && off.max((c.radius - circle.radius).abs()) <= SAME_MM
     })

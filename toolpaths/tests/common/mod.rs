@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use toolpaths::{Chunk, Path, PathError, PerSample, SequenceView, Summary, Tracker, TrackerOptions};
+use toolpaths::{Chunk, Path, PathError, PerSample, SequenceView, Space, Summary, Tracker, TrackerOptions};
 
 pub const TA: f64 = 1.28e-3;
 
@@ -27,6 +27,10 @@ pub struct Columns {
     pub via_target: Vec<f64>,
     pub effradius: Vec<f64>,
     pub effradius_of: Vec<u16>,
+    pub begin: Vec<f64>,
+    pub c3: Vec<u8>,
+    pub center3: Vec<f64>,
+    pub normal: Vec<f64>,
 }
 
 impl Columns {
@@ -49,6 +53,7 @@ impl Columns {
             via_target: &self.via_target,
             effradius: &self.effradius,
             effradius_of: &self.effradius_of,
+            space: Space { begin: &self.begin, c3: &self.c3, center: &self.center3, normal: &self.normal },
         }
     }
 }
