@@ -58,7 +58,7 @@ def run_and_write(
 ) -> tuple[RunResult, Verdict, dict[str, Any]]:
     """The run, its verdict, and the object of design 3.2; files are written before it returns."""
     tolerance = tolerance_mm if tolerance_mm is not None else job.machine.machine.tolerance_mm
-    metadata = _metadata(job, options, tolerance, _tolerance_from(tolerance_mm))
+    metadata = _metadata(job, options, tolerance, tolerance_from(tolerance_mm))
     metadata |= checks.metadata() if checks else {}
     more = checks.attachments() if checks else []
     sink = RecordingSink(record, job, metadata, more, options.scan) if record else None
@@ -107,7 +107,7 @@ def judged(
     verdict = with_findings(judge(result, tolerance, more), named["findings"])
     motors = motor_commands(result.execution.mcu, machine.axis_names)
     run = run_object(result, verdict, files) | named | found | {"motor_command": motors}
-    run["verdict"]["tolerance_from"] = _tolerance_from(tolerance_mm)
+    run["verdict"]["tolerance_from"] = tolerance_from(tolerance_mm)
     return verdict, run
 
 
@@ -141,6 +141,10 @@ def measured_report(recording: str, setup: Setup | None = None, reference: Refer
 
 def _measured_again(recorded: Recorded, setup: Setup | None, reference: Reference | None) -> ReportInput:
     metadata = recorded.metadata
+    if metadata.get("language", "din66025") != "din66025":
+        from cnc_front.sap_deliver import measured_again
+
+        return measured_again(recorded)
     machine = native_kernel.Machine.parse(recorded.machine_text.encode(), metadata["machine_path"])
     source = JobSource(metadata["job_path"], recorded.job, "din66025")
     path = native_paths.Path(recorded.sequence)
@@ -158,7 +162,7 @@ def _measured_again(recorded: Recorded, setup: Setup | None, reference: Referenc
     checks = _recorded_checks(recorded, machine, setup, reference)
     samples = _measure(recorded, tracker, plotting, checks)
     summary = tracker.finish()
-    run = _run_of(recorded, source, machine, summary, samples) | _checked(checks, 0.0)[0]
+    run = run_of(recorded, source, machine, summary, samples) | _checked(checks, 0.0)[0]
     run |= evidence_keys(path, tracker, summary, machine, plotting.tolerance_mm)
     report = plotting.report_input(run, summary, source, machine, sorted(recorded.events, key=_order))
     report.checks = checks
@@ -206,7 +210,7 @@ def _measure(recorded: Recorded, tracker: native_paths.Tracker, plotting: Plotti
     return samples
 
 
-def _run_of(
+def run_of(
     recorded: Recorded, source: JobSource, machine: native_kernel.Machine, summary: dict[str, Any], samples: int
 ) -> dict[str, Any]:
     """The recorded result with the figures measured now; without a result (cut off) what can be said."""
@@ -301,7 +305,7 @@ def _order(event: dict[str, Any]) -> tuple[float, bool]:
     return event["t_s"], event["kind"] == "host"
 
 
-def _tolerance_from(tolerance_mm: float | None) -> str:
+def tolerance_from(tolerance_mm: float | None) -> str:
     """Where the limit comes from: `option` (--tolerance) or `machine` (file or default)."""
     return "machine" if tolerance_mm is None else "option"
 

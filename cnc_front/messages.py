@@ -78,6 +78,38 @@ TEXTS: dict[str, tuple[str, str]] = {
         "task {task}: runtime error {errnum:04X} hex at line {line}",
         "Task {task}: Laufzeitfehler {errnum:04X} hex in Zeile {line}",
     ),
+    "sap_tolerance": (
+        "contour deviation {max_um:.1f} um > {limit_um:.1f} um, task {task}, line {line}",
+        "Bahnabweichung {max_um:.1f} um > {limit_um:.1f} um, Task {task}, Zeile {line}",
+    ),
+    "sap_setpoint": (
+        "set point leaves the spooled path by {max_um:.4f} um > {limit_um:.4f} um, task {task}, line {line}",
+        "Sollwert verlässt die gespoolte Bahn um {max_um:.4f} um > {limit_um:.4f} um, Task {task}, Zeile {line}",
+    ),
+    "sap_apart": (
+        "task {task}, line {line}: its axes execute other commands at the same time; spool for all axes of a contour",
+        "Task {task}, Zeile {line}: seine Achsen führen zugleich anderes aus; für alle Achsen einer Kontur spoolen",
+    ),
+    "sap_cut": (
+        "task {task}: the contour was broken off at line {line}",
+        "Task {task}: die Kontur wurde in Zeile {line} abgebrochen",
+    ),
+    "listing_refused": ("what was spooled is no path: {text}", "was gespoolt wurde, ist keine Bahn: {text}"),
+    "sap_no_contour": (
+        "none: no motion command was spooled; direct moves have no programmed contour",
+        "keine: nichts wurde gespoolt; direkte Bewegungen haben keine programmierte Kontur",
+    ),
+    "sap_no_report": (
+        "no report: no motion command was spooled, and direct moves have no programmed contour",
+        "kein Bericht: nichts wurde gespoolt, und direkte Bewegungen haben keine programmierte Kontur",
+    ),
+    "sap_measured": (
+        "measured for {seconds:.3f} s; direct moves have no programmed contour",
+        "gemessen über {seconds:.3f} s; direkte Bewegungen haben keine programmierte Kontur",
+    ),
+    "sap_at": ("at task {task}, line {line}", "bei Task {task}, Zeile {line}"),
+    "sap_groups": ("groups of axes", "Achsgruppen"),
+    "commands": ("commands", "Befehle"),
     "sap_goes_on": ("task {task} is at line {line}", "Task {task} ist in Zeile {line}"),
     "task": ("task", "Task"),
     "position": ("position", "Position"),

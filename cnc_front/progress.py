@@ -38,10 +38,14 @@ class Progress:
                 print(text("log_event", self._language, **values).rstrip(), file=sys.stderr)
                 self._printed += 1
         self._seen = len(execution.host_events)
+        self.at(execution.machine_time_s)
+
+    def at(self, seconds: float) -> None:
+        """Says how far the run is, machine time, on a terminal and not too often."""
         now = time.monotonic()
         if self._terminal and now - self._last >= EVERY_S:
             self._last, self._drawn = now, True
-            running = text("running", self._language, seconds=execution.machine_time_s)
+            running = text("running", self._language, seconds=seconds)
             print(f"\r{running}\x1b[K", end="", file=sys.stderr, flush=True)
 
     def end(self) -> None:

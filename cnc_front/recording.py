@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,30 @@ from cnc_front._native import recording as native
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError
 from cnc_front.execution import Happened, LogEntry
-from cnc_front.jobs import CompiledJob
+from cnc_front.jobs import JobSource, MachineFile
 
 Columns = dict[str, Any]
 #: Keys of the run object that differ between two runs of the same input.
 VOLATILE = ("wall_time_s", "files")
 JOB, MACHINE, SEQUENCE, RESULT = "job", "machine.toml", "sequence.npz", "result.json"
+
+
+class Listed(Protocol):
+    """What knows the motion commands of a job."""
+
+    def sequence(self) -> dict[str, NDArray[Any]]:
+        """Columns of toolpaths.Path."""
+
+
+class Recordable(Protocol):
+    """A job that can be recorded (CompiledJob)."""
+
+    @property
+    def source(self) -> JobSource: ...
+    @property
+    def machine(self) -> MachineFile: ...
+    @property
+    def program(self) -> Listed: ...
 
 
 class RecordingSink:
@@ -36,7 +54,7 @@ class RecordingSink:
     def __init__(
         self,
         path: Path,
-        job: CompiledJob,
+        job: Recordable,
         metadata: dict[str, str],
         more: list[tuple[str, str, bytes]] | None = None,
         scan: Sequence[str] = (),

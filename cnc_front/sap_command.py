@@ -6,6 +6,8 @@ import argparse
 import json
 import sys
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError, Exit, UsageError
@@ -19,11 +21,19 @@ from cnc_front.jobs import (
     load_stimulus,
     read_job,
 )
-from cnc_front.messages import language_from
-from cnc_front.sap_run import TASKS, SapOptions, SapRun, Task
+from cnc_front.messages import language_from, text
+from cnc_front.sap_run import TASKS, SapOptions, Task
 
-#: Options of `run` that need a programmed path.
-FOREIGN = ("record", "report", "tolerance", "start", "stop", "setup", "reference")
+#: Options of `run` that are for part programs: name and option.
+FOREIGN = {
+    "start": "from",
+    "stop": "to",
+    "time_optimal": "time-optimal",
+    "override_sweep": "override-sweep",
+    "setup": "setup",
+    "reference": "reference",
+    "scan": "scan",
+}
 
 
 def _say(diagnostics: tuple[Diagnostic, ...], options: argparse.Namespace) -> None:
@@ -60,26 +70,29 @@ def _load(number: int | None, path: str, machine: MachineFile, options: argparse
     return Task(number, source, program, diagnostics)
 
 
-def load_tasks(options: argparse.Namespace) -> tuple[MachineFile, list[Task]]:
-    """The machine and the jobs of a command line; CompileError with every finding of the first that has one."""
-    machine = load_machine(options.machine, options.job)
+def load_tasks(options: argparse.Namespace, machine: MachineFile) -> list[Task]:
+    """The jobs of a command line; CompileError with every finding of the first that has one."""
     tasks = [_load(number, path, machine, options) for number, path in _asked(options)]
     numbers = [task.number for task in tasks]
     if len(set(numbers)) < len(numbers):
         raise UsageError(f"two jobs for one task ({', '.join(map(str, numbers))}): give --task N=JOB")
-    return machine, tasks
+    return tasks
 
 
 def run_sap(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     """`cnc-front run job.src [--task 1=monitor.src ...]`."""
-    foreign = [name for name in FOREIGN if getattr(options, name) is not None]
-    if foreign or options.override != "1":
-        raise UsageError(f"--{(foreign or ['override'])[0]} is for part programs, not for rw_SymPas jobs")
-    language = language_from(options.lang)
+    from cnc_front import outputs
+    from cnc_front.schedule import parse_schedule
+
+    _refuse_foreign(options)
+    schedule = parse_schedule(options.override)
+    inputs = [options.job, options.machine or "", options.stimulus or "", *(path for _, path in _asked(options))]
+    record = outputs.check_recording(options.record, inputs) if options.record else None
+    report = outputs.check_report(options.report, inputs) if options.report else None
     machine = None
     try:
         machine = load_machine(options.machine, options.job)  # known to the result even if a job does not compile
-        _, tasks = load_tasks(options)
+        tasks = load_tasks(options, machine)
         stimulus = load_stimulus(options.stimulus, options.job, machine)
     except CompileError as error:
         from cnc_front.verdict import failed_object
@@ -92,10 +105,37 @@ def run_sap(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int
         return Exit.BAD_INPUT
     for task in tasks:
         _say(task.warnings, options)
-    run = SapRun(machine, tasks, SapOptions(options.max_time, interrupted, stimulus=stimulus)).run()
-    keep_run(run.as_json(), options, run.exit)
-    print(json.dumps(run.as_json(), allow_nan=False) if options.json else run.as_text(language))
-    return run.exit
+    return _run_tasks(options, machine, tasks, SapOptions(options.max_time, interrupted, stimulus, schedule), record, report)
+
+
+def _refuse_foreign(options: argparse.Namespace) -> None:
+    for name, option in FOREIGN.items():
+        if getattr(options, name, None):
+            raise UsageError(f"--{option} is for part programs, not for rw_SymPas jobs")
+
+
+def _run_tasks(
+    options: argparse.Namespace,
+    machine: MachineFile,
+    tasks: list[Task],
+    sap_options: SapOptions,
+    record: Path | None,
+    report: Path | None,
+) -> int:
+    from cnc_front.progress import Progress
+    from cnc_front.sap_deliver import run_and_write
+    from cnc_front.sap_verdict import result_text
+
+    language = language_from(options.lang)
+    progress = Progress(language, quiet=options.quiet)
+    sap_options = replace(sap_options, progress=progress.at)
+    result, verdict, run = run_and_write(machine, tasks, sap_options, options.tolerance, record, report, language)
+    progress.end()
+    if report is not None and run["files"]["report"] is None and not options.quiet:
+        print(f"cnc-front: {text('sap_no_report', language)}", file=sys.stderr)
+    keep_run(run, options, verdict.exit)
+    print(json.dumps(run, allow_nan=False) if options.json else result_text(result, verdict, run, language))
+    return verdict.exit
 
 
 def translate_autocode(options: argparse.Namespace) -> int:

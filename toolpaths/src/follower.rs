@@ -261,10 +261,13 @@ impl Path {
     #[inline]
     pub(crate) fn reach(&self, from: Place, time_s: f64) -> f64 {
         let (mut left, mut t) = (time_s, from.t);
-        for segment in &self.segments[from.segment..] {
+        for (i, segment) in self.segments.iter().enumerate().skip(from.segment) {
             let rest = (segment.length - t) * segment.slowness;
             if rest >= left {
                 return segment.s0 + t + left * segment.speed;
+            }
+            if self.is_apart(i + 1) {
+                return segment.s0 + segment.length;
             }
             left -= rest;
             t = 0.0;
@@ -275,7 +278,8 @@ impl Path {
     /// The place at path length `s`, which lies at or after `from`.
     fn place_near(&self, from: Place, s: f64) -> Place {
         let mut segment = from.segment;
-        while segment + 1 < self.segments.len() && self.segments[segment].s0 + self.segments[segment].length < s {
+        let ends_before = |i: usize| self.segments[i].s0 + self.segments[i].length < s;
+        while segment + 1 < self.segments.len() && ends_before(segment) && !self.is_apart(segment + 1) {
             segment += 1;
         }
         let t = (s - self.segments[segment].s0).clamp(0.0, self.segments[segment].length);
@@ -288,6 +292,9 @@ impl Path {
         let mut at = from;
         if at.t >= self.segments[at.segment].length {
             at = Place { segment: at.segment + 1, t: 0.0 };
+            if self.is_apart(at.segment) {
+                return None;
+            }
         }
         let segment = self.segments.get(at.segment)?;
         let end = (to - segment.s0).min(segment.length);

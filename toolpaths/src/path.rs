@@ -50,6 +50,8 @@ pub struct Path {
     slopes: Vec<f64>,
     pub(crate) circles: Vec<Circle>,
     pub(crate) rings: Vec<Ring>,
+    /// Segments that begin elsewhere than the one before ends: no foot goes there by itself.
+    pub(crate) apart: Vec<usize>,
     /// (rows, width): from axis units to mm; 0 in padding columns.
     pub(crate) scales: Vec<f64>,
     blocks: Vec<Block>,
@@ -63,8 +65,8 @@ pub struct Path {
 /// A plotted feed line is cut into pieces of about this share of the whole path.
 const LINE_PIECES: f64 = 1000.0;
 
-/// Moves further apart than that, axis units, are drawn apart; rounding to counts is less.
-const GAP: f64 = 0.01;
+/// Moves whose ends are no further apart than that, axis units, are one path: rounding to counts is less.
+pub(crate) const JOINS: f64 = 1e-3;
 
 /// Widths that the inner loops are compiled for.
 pub(crate) const WIDTHS: [usize; 4] = [3, 4, 6, MAX_AXES];
@@ -83,6 +85,7 @@ impl Path {
             slopes: Vec::with_capacity(sequence.len() * width),
             circles: Vec::new(),
             rings: Vec::new(),
+            apart: Vec::new(),
             scales: scales(&sequence, width),
             blocks: Vec::with_capacity(sequence.len()),
             start: sequence.start.to_vec(),
@@ -94,7 +97,11 @@ impl Path {
         for i in 0..sequence.len() {
             let target = padded(&sequence.target[i * axes..(i + 1) * axes], width);
             if let Some(begin) = sequence.space.begin.get(i * axes..(i + 1) * axes) {
-                from = padded(begin, width);
+                let begin = padded(begin, width);
+                if begin.iter().zip(&from).any(|(a, b)| (a - b).abs() > JOINS) {
+                    path.apart.push(path.segments.len());
+                }
+                from = begin;
             }
             match sequence.kind[i] {
                 0 => path.push_line(&sequence, i, &from, &target),
@@ -196,6 +203,12 @@ impl Path {
             self.push_segment(sequence, i, length, &here, &slope, number);
         }
         Ok(())
+    }
+
+    /// Whether a foot may not go on to a segment from the one before it.
+    #[inline]
+    pub(crate) fn is_apart(&self, segment: usize) -> bool {
+        !self.apart.is_empty() && self.apart.binary_search(&segment).is_ok()
     }
 
     /// A circle in space; axes beside its three stand still.
@@ -395,7 +408,7 @@ impl Polyline {
     /// The last vertex is elsewhere: what follows begins anew.
     fn ends_off(&self, point: &[f64]) -> bool {
         let last = &self.points[self.points.len().saturating_sub(point.len())..];
-        last.iter().zip(point).any(|(a, b)| (a - b).abs() > GAP)
+        last.iter().zip(point).any(|(a, b)| (a - b).abs() > JOINS)
     }
     fn push(&mut self, point: &[f64], line: u32, rapid: bool, s_mm: f64) {
         self.points.extend_from_slice(point);

@@ -110,20 +110,8 @@ impl Tracker {
     /// one before and that is where the command begins. False where the command has no path.
     fn jump(&mut self, command: usize, goes_on: bool, dp: &[f64]) -> bool {
         let Some(segment) = self.path().segment_of(command) else { return false };
-        let continuous = goes_on && self.path().joins(segment);
+        let continuous = goes_on && !self.path().is_apart(segment);
         self.put(segment, !continuous, dp);
         true
     }
 }
-
-impl Path {
-    /// A segment begins where the one before ends, but for rounding to counts.
-    fn joins(&self, segment: usize) -> bool {
-        let Some(before) = segment.checked_sub(1) else { return false };
-        let (a, b) = (self.position(before, self.segments[before].length), self.position(segment, 0.0));
-        a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= JOINS)
-    }
-}
-
-/// Distance of two ends that are one, axis units.
-const JOINS: f64 = 1e-3;
