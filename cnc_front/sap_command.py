@@ -49,10 +49,10 @@ def _compile_options(options: argparse.Namespace) -> CompileOptions:
 def _asked(options: argparse.Namespace) -> list[tuple[int | None, str]]:
     """Task numbers and files; the first is the job itself, whose number may stand in its text."""
     asked: list[tuple[int | None, str]] = [(None, options.job)]
-    for text in options.task:
-        number, equals, path = text.partition("=")
+    for given in options.task:
+        number, equals, path = given.partition("=")
         if not equals or number not in {str(n) for n in range(TASKS)}:
-            raise UsageError(f"--task: '{text}' is not N=JOB with N from 0 to {TASKS - 1}")
+            raise UsageError(f"--task: '{given}' is not N=JOB with N from 0 to {TASKS - 1}")
         asked.append((int(number), path))
     return asked
 
@@ -105,7 +105,9 @@ def run_sap(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int
         return Exit.BAD_INPUT
     for task in tasks:
         _say(task.warnings, options)
-    return _run_tasks(options, machine, tasks, SapOptions(options.max_time, interrupted, stimulus, schedule), record, report)
+    return _run_tasks(
+        options, machine, tasks, SapOptions(options.max_time, interrupted, stimulus, schedule), record, report
+    )
 
 
 def _refuse_foreign(options: argparse.Namespace) -> None:
@@ -138,8 +140,28 @@ def _run_tasks(
     return verdict.exit
 
 
+#: Machine time after which a listing ends, s: jobs often loop for ever.
+LISTED_S = 600.0
+
+
+def _list_spooled(options: argparse.Namespace, machine: MachineFile, task: Task) -> int:
+    """The motion commands that a job spools when it runs, one JSON object a line (design 3.3)."""
+    from cnc_front.sap_run import SapRun
+    from cnc_front.spooled import rows_as_json
+
+    stimulus = load_stimulus(None, options.job, machine)
+    run = SapRun(machine, [task], SapOptions(LISTED_S, stimulus=stimulus)).run()
+    for row in rows_as_json(run.listing, machine.machine.axis_names):
+        print(json.dumps(row, allow_nan=False))
+    if task.error is not None:
+        values = {"task": task.number, "errnum": task.error[0], "line": task.error[1]}
+        print(f"cnc-front: {text('sap_error', language_from(options.lang), **values)}", file=sys.stderr)
+        return Exit.STOPPED
+    return Exit.DONE
+
+
 def translate_autocode(options: argparse.Namespace) -> int:
-    """Disassembles a rw_SymPas job or an autocode file, or writes the autocode file."""
+    """Disassembles a rw_SymPas job or an autocode file, writes the autocode file, or lists what the job spools."""
     from cnc_front import outputs
 
     target = outputs.check_autocode(options.output, [options.job]) if options.output else None
@@ -149,6 +171,8 @@ def translate_autocode(options: argparse.Namespace) -> int:
     if program is None:
         raise CompileError(diagnostics)
     _say(diagnostics, options)
+    if options.json and not options.autocode and target is None:
+        return _list_spooled(options, machine, Task(program.task or 0, source, program, diagnostics))
     if target is not None:
         target.write_bytes(program.encode())
     else:

@@ -108,7 +108,7 @@ def _measure(recorded: Recorded, measuring: Measuring, plotting: Plotting) -> in
 
 def _packed(paths: Paths) -> dict[str, Any]:
     """Columns and stretches of all lanes under one roof, lane number first."""
-    packed = {}
+    packed: dict[str, Any] = {}
     for n, lane in enumerate(paths.lanes):
         columns = lane.sequence | {"stretches": np.array(lane.stretches, np.uint64).reshape(-1, 4)}
         packed |= {f"{n}.{name}": column for name, column in columns.items()}

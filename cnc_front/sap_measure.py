@@ -1,7 +1,7 @@
-"""How true a rw_SymPas job stays to what it spools: the second, identical run, measured against the listing of the first.
+"""How true a rw_SymPas job stays to what it spools: a second, identical run, measured against the listing of the first.
 
-Every lane (spooled.py) has a tracker of its own. What is between the spooled moves (direct moves, waits) has no programmed
-contour and is not measured; the deviation there counts as 0.
+Every lane (spooled.py) has a tracker of its own. What is between the spooled moves (direct moves, waits) has no
+programmed contour and is not measured; the deviation there counts as 0.
 """
 
 from __future__ import annotations

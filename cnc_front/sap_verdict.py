@@ -108,9 +108,7 @@ def run_object(result: Measured, verdict: Verdict, files: dict[str, str | None])
         "samples": run.mcu.samples(),
         "sample_time_us": machine.sample_time_us,
         "commands": dict(run.listing.counts),
-        "alarms": [
-            {"t_s": a.t_s, "axis": a.axis, "bit": a.bit, "name": a.name, "line": a.line} for a in run.alarms
-        ],
+        "alarms": [{"t_s": a.t_s, "axis": a.axis, "bit": a.bit, "name": a.name, "line": a.line} for a in run.alarms],
         "error_register": run.mcu.status()["errorreg"],
         "output": first.output.splitlines(),
         "files": files,

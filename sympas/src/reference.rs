@@ -24,6 +24,14 @@ loop, not referenced.
 | `cnc-front translate job.src --output job.cnc` | the autocode file, versioned and checksummed |
 | `cnc-front run job.src --task 1=monitor.src` | runs up to four tasks; `job.cnc` works too |
 
+`run` measures what the tasks spool (`smla`, `smca`, `smha`, their relative forms, circles in space) as it does part
+programs: `--tolerance`, `--override`, `--record`, `--report`, `--json`. Direct moves (`ja`, `mla` ...) have no programmed
+contour and are left out; `measured_s` says for how long something was measured. The path is what was spooled when the
+job ran, so the job runs twice, in the same way. Groups of axes that run side by side (task 0 on X and Y, task 1 on Z)
+have a path each (`contours`). Spooling for other axes while some of them still execute a command takes them apart: that
+is a finding. A contour that `js`, `ms` or `rs` breaks off is measured up to there and makes the verdict WARN. Without
+ExactTargetPos a stop may be off by half a count. `translate job.src --json` lists what a job spools.
+
 The job itself runs in the task of its `{$TASK n}`, else in task 0. A run ends when all tasks have ended and the axes
 stand, or at `--max-time`; a runtime error stops its task only. Where MODEREG bit 26 (StopAtWriteln) halts a task, the run
 takes its output and continues it.

@@ -167,7 +167,7 @@ impl Processor {
         numbers.map(|n| self.program.routines[usize::from(n)].name.as_str()).collect()
     }
     /// Source line of the instruction that failed.
-    pub fn failed_line(&self) -> u32 {
+    pub fn executed_line(&self) -> u32 {
         self.program.lines.get(self.pc.saturating_sub(1)).map_or(0, |(_, line)| *line)
     }
     /// The share of one sample, at most `share` statements.

@@ -50,7 +50,7 @@ impl Task {
             }
         };
         if let Pause::Error(number) = pause {
-            self.error = Some(RuntimeError { number, line: sap.failed_line() });
+            self.error = Some(RuntimeError { number, line: sap.executed_line() });
         }
         if !self.rests && matches!(self.state, TaskState::Idle | TaskState::Stopped | TaskState::Failed) {
             self.disable_events();
