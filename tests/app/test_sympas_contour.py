@@ -227,6 +227,6 @@ def test_translate_lists_what_a_job_spools(tmp_path: Path, capsys: pytest.Captur
     assert (rows[2]["plane"], rows[2]["center"], rows[2]["phi"]) == (["X", "Y"], {"X": 40.0, "Y": 20.0}, 180.0)
     assert (rows[3]["line"], rows[3]["tvl"], rows[3]["task"]) == (line_of(SLOT, "Y := 30.0"), 0.0, 0)
     assert (rows[5]["center"], rows[5]["normal"]) == ({"X": 0.0, "Y": 10.0, "Z": 5.0}, [1.0, 0.3, 0.2])
-    path.write_text(HEAD + "  smla(X := 1.0, Y := 1.0);\n  ssmsw(X, Y);\n  CI0 := 1 div (CI0 - CI0);\nend.\n")
+    path.write_text(HEAD + "  smla(X := 1.0, Y := 1.0);\n  ssmsw(X, Y);\n  CI0 := 1 mod (CI0 - CI0);\nend.\n")
     assert run_command_line(["translate", str(path), "--json"]) == 3
     assert "8000 hex" in capsys.readouterr().err

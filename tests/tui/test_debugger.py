@@ -11,6 +11,7 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import Static
 
+from cnc_front.jobs import load_machine
 from cnc_front.sap_command import load_tasks
 from cnc_front.sap_debug import debug_session
 from tui.debugger import Debugger
@@ -44,7 +45,8 @@ def played(tmp_path: Path, play: Play, *, text: str = TEXT, language: str = "en"
     (tmp_path / "other.src").write_text(OTHER)
     jobs = {"job": str(tmp_path / "loops.src"), "task": [f"2={tmp_path / 'other.src'}"]}
     options = argparse.Namespace(**jobs, machine=None, language=None, lang=language)
-    session = debug_session(*load_tasks(options))
+    machine = load_machine(None, options.job)
+    session = debug_session(machine, load_tasks(options, machine))
     app = Debugger(session, make_look(theme, "ascii"), Words(language))
 
     async def go() -> None:

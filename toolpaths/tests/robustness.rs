@@ -22,11 +22,12 @@ fn columns() -> impl Strategy<Value = Columns> {
         let bytes = |len: usize, top: u8| prop::collection::vec(0..top, len);
         let counts = |len: usize, top: u32| prop::collection::vec(0..top, len);
         (
-            (numbers(axes), bytes(n, 3), counts(n, 99), prop::collection::vec(any::<bool>(), n), numbers(n * axes)),
+            (numbers(axes), bytes(n, 4), counts(n, 99), prop::collection::vec(any::<bool>(), n), numbers(n * axes)),
             (bytes(n, 5), bytes(n, 5), numbers(2 * n), numbers(n), prop::collection::vec(0.001..200.0f64, n)),
             (counts(n, 4), counts(n, 3), counts(3, 99), numbers(3 * axes), numbers(2 * axes), counts(n, 3)),
+            (numbers(n * axes), bytes(n, 5), numbers(3 * n), numbers(3 * n), any::<[bool; 2]>()),
         )
-            .prop_map(move |(a, b, c)| Columns {
+            .prop_map(move |(a, b, c, d)| Columns {
                 axes,
                 start: a.0,
                 kind: a.1,
@@ -44,6 +45,10 @@ fn columns() -> impl Strategy<Value = Columns> {
                 via_target: c.3,
                 effradius: c.4,
                 effradius_of: c.5.iter().map(|&row| row as u16).collect(),
+                begin: if d.4[0] { d.0 } else { Vec::new() },
+                c3: if d.4[1] { d.1 } else { Vec::new() },
+                center3: if d.4[1] { d.2 } else { Vec::new() },
+                normal: if d.4[1] { d.3 } else { Vec::new() },
             })
     })
 }
