@@ -33,6 +33,7 @@ FOREIGN = {
     "setup": "setup",
     "reference": "reference",
     "scan": "scan",
+    "samples": "samples",
 }
 
 
