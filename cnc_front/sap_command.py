@@ -29,11 +29,8 @@ FOREIGN = {
     "start": "from",
     "stop": "to",
     "time_optimal": "time-optimal",
-    "override_sweep": "override-sweep",
     "setup": "setup",
     "reference": "reference",
-    "scan": "scan",
-    "samples": "samples",
 }
 
 

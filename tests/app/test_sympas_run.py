@@ -113,7 +113,8 @@ def test_what_needs_blocks_of_a_part_program_is_refused(write: Write, capsys: py
     path, part = write("move.src", MOVE), write("part.nc", "G0 X1\nM30\n")
     for option in (["--from", "2"], ["--to", "3"], ["--time-optimal"], ["--override-sweep", "0.5:1:0.5"]):
         assert run(path, *option) == 2
-        assert f"{option[0]} is for part programs" in capsys.readouterr().err
+        err = capsys.readouterr().err
+        assert option[0] in err and "for part programs" in err
     for option in (["--task", "7=x.src"], ["--task", "x"], ["--task", f"1={part}"]):
         assert run(path, *option) == 2
     assert run(part, "--task", f"1={path}") == 2
