@@ -17,6 +17,7 @@ from cnc_front.errors import UsageError
 from cnc_front.execution import Happened
 from cnc_front.outputs import REPORT_FILE, REPORT_MARK
 from cnc_front.recording import content_of, open_recording
+from cnc_front.verdict import limit_name
 
 SAMPLES_FILE = "samples.parquet"
 #: Columns of a chunk that have a value a sample, beside those with a value an axis.
@@ -65,7 +66,10 @@ class SamplesFile:
             data |= {f"{name}_{axis}": np.ascontiguousarray(values[:, a]) for a, axis in enumerate(self._axes)}
         data |= {name: columns[name] for name in PLAIN}
         data["deviation_mm"] = deviation_mm
-        table = pyarrow.table(data)
+        codes, which = np.unique(np.asarray(columns["flags"]) >> 8, return_inverse=True)
+        names = pyarrow.array([limit_name(int(code), self._axes) for code in codes], pyarrow.string())
+        limit = pyarrow.DictionaryArray.from_arrays(pyarrow.array(which.astype(np.int32)), names)
+        table = pyarrow.table(data | {"limit": limit.dictionary_decode()})
         if self._writer is None:
             # positions hardly differ from sample to sample: bytes of one significance side by side pack best
             floats = [name for name in data if data[name].dtype.kind == "f"]
@@ -73,7 +77,7 @@ class SamplesFile:
                 self.path,
                 table.schema,
                 compression="zstd",
-                use_dictionary=[name for name in data if name not in floats],
+                use_dictionary=[name for name in table.column_names if name not in floats],
                 use_byte_stream_split=floats,
             )
         self._writer.write_table(table)

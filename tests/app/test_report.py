@@ -330,4 +330,6 @@ def test_samples_as_parquet(cli: Cli, job: Callable[..., Path], tmp_path: Path) 
     assert columns["deviation_mm"].max() == pytest.approx(run["deviation"]["actual"]["max_mm"], rel=1e-6)
     assert np.abs(columns["dp_X"] - columns["rp_X"]).max() == pytest.approx(run["following_error"]["X"]["max"])
     assert set(columns["line"]) <= {0, 1, 2}
+    seconds = {str(name): np.count_nonzero(columns["limit"] == name) * 1.28e-3 for name in set(columns["limit"])}
+    assert seconds == pytest.approx(run["feed"]["limits"])
     assert cli("run", program, "--samples").code == 2
