@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
 from cnc_front._native import motion_kernel as native
 
 AxisId = str | int
+
+AXIS = "axis"  # what Index or SubIndex is
 
 BUS = 1000
 READ, WRITE = 1, 2  # access types; 3 (both) is wrong for resources
@@ -75,7 +77,9 @@ class ObjectDescriptor:
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """A row of the table: device numbers, name, type, directions, and what Index and SubIndex are."""
+    """A row of the table: device numbers, name, type, directions, and what Index and SubIndex are: "axis", "0 to 5",
+    "3" or "-" (no meaning, or one that the device judges itself). `needs`: options of the board without which it is
+    unknown."""
 
     first: int
     last: int
@@ -83,9 +87,10 @@ class Device:
     type: DataType
     readable: bool
     writable: bool
-    index_is_axis: bool
-    sub_is_axis: bool
+    index: str
+    sub_index: str
     function: int | None  # Index of one of several functions of the same number
+    needs: tuple[str, ...]
 
     def descriptor(
         self, key: Sequence[AxisId], number_of: Callable[[AxisId], int], access: int = READ
@@ -98,12 +103,12 @@ class Device:
         if len(parts) > 2 or not self.first <= number <= self.last:
             raise IndexError(f"{self.name}{list(key)}: {self.name} has no such index")
         # the line of a gear factor is that of its master
-        axes = (self.index_is_axis, self.sub_is_axis or self.first == CP)
+        axes = (self.index == AXIS, self.sub_index == AXIS or self.first == CP)
         numbers = [
             number_of(part) if axis and isinstance(part, str) else whole(part)
             for part, axis in zip(parts, axes, strict=False)
         ]
-        if not numbers and self.index_is_axis:
+        if not numbers and self.index == AXIS:
             raise IndexError(f"{self.name} needs an axis")
         index, sub_index = [*numbers, 0, 0][:2]
         return ObjectDescriptor(number, index, sub_index, self.type, access)
@@ -111,17 +116,27 @@ class Device:
 
 def _devices() -> dict[str, Device]:
     devices = {}
-    for first, last, manual, kind, *flags, function in native.resource_devices():
-        name = re.sub(r"\W", "", manual)
-        readable, writable, index_is_axis, sub_is_axis = map(bool, flags)
-        devices[name] = Device(
-            first, last, name, DataType(kind), readable, writable, index_is_axis, sub_is_axis, function
-        )
+    for first, last, manual, kind, readable, writable, index, sub_index, function, needs in native.resource_devices():
+        name, data = re.sub(r"\W", "", manual), DataType(kind)
+        devices[name] = Device(first, last, name, data, readable, writable, index, sub_index, function, tuple(needs))
     return devices
 
 
 DEVICES = _devices()
 """All devices by name: the manual's, without blanks and brackets (DTV0, PositionFactor, MCPOFFSET)."""
+
+
+def refusal(device: Device, code: int, options: Collection[str], access: int = READ) -> ResourceError:
+    """The error of an access that a return code refuses, with what is known of the reason."""
+    missing = [option for option in device.needs if option not in options]
+    more = ""
+    if code == Code.UNKNOWN and missing:
+        more = f"the board has no option {', '.join(missing)}; mcu.resources.fit changes that"
+    elif code == Code.UNKNOWN and not (device.readable if access == READ else device.writable):
+        more = "it can only be written" if access == READ else "it can only be read"
+    elif code == Code.STATE_ERR:
+        more = f"Index: {device.index}, SubIndex: {device.sub_index}"
+    return ResourceError(device.name, code, more)
 
 
 def device_named(name: str) -> Device:

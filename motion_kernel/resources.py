@@ -27,6 +27,7 @@ from motion_kernel.devices import (
     ObjectDescriptor,
     ResourceError,
     device_named,
+    refusal,
     whole,
 )
 from motion_kernel.driver import AxisId, Driver
@@ -104,20 +105,20 @@ class Resource:
         else:
             code, bits = self._resources.rdoptionint(descriptor)
             value = struct.unpack("<f", struct.pack("<i", bits))[0] if descriptor.type is DataType.FLOAT else bits
-        self._check(code)
+        self._check(code, READ)
         return value
 
     def __setitem__(self, key: AxisId | tuple[AxisId, ...], value: float) -> None:
         descriptor = self.descriptor(key, WRITE)
         if descriptor.type is DataType.DOUBLE:
-            return self._check(self._resources.wroptiondbl(descriptor, value))
+            return self._check(self._resources.wroptiondbl(descriptor, value), WRITE)
         single = descriptor.type is DataType.FLOAT
         bits = struct.unpack("<i", struct.pack("<f", value))[0] if single else whole(value)
-        self._check(self._resources.wroptionint(descriptor, bits))
+        self._check(self._resources.wroptionint(descriptor, bits), WRITE)
 
-    def _check(self, code: int) -> None:
+    def _check(self, code: int, access: int) -> None:
         if code != Code.OK:
-            raise ResourceError(self._device.name, code)
+            raise refusal(self._device, code, self._resources.options, access)
 
 
 class Resources:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cnc_front._native import motion_kernel as native
-from motion_kernel.devices import DEVICES, AxisId, DataType, ObjectDescriptor, ResourceError, device_named
+from motion_kernel.devices import DEVICES, AxisId, DataType, ObjectDescriptor, ResourceError, device_named, refusal
 
 Scannable = str | ObjectDescriptor
 RTS_DATABLOCK, RTS_DATAANALOGBLOCK = 8013, 8014
@@ -67,7 +67,7 @@ def _ready(emulator: native.Mcu, resource: Scannable, axes: Sequence[str]) -> tu
     read = emulator.rd_option_dbl if descriptor.type is DataType.DOUBLE else emulator.rd_option_int
     code, descriptor.handle, _ = read(descriptor.row())
     if descriptor.handle == 0:
-        raise ResourceError(resource, code)
+        raise refusal(device_named(resource.split(".")[0]), code, emulator.resource_options())
     return resource, descriptor
 
 

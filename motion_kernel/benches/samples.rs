@@ -5,6 +5,9 @@
 use motion_kernel::autocode::{Builder, Instr, Move, MoveKind, Program};
 use motion_kernel::axes::{AxisList, AxisSet};
 use motion_kernel::machine::Machine;
+use motion_kernel::registers::Options;
+use motion_kernel::resources::{Code, ObjectDescriptor, READ, Type, WRITE};
+use motion_kernel::stimulus::Stimulus;
 use motion_kernel::trace::Trace;
 use motion_kernel::{Mcu, Stop};
 use std::sync::Arc;
@@ -79,6 +82,47 @@ fn machine(axes: usize) -> Machine {
     machine
 }
 
+/// Uses of the resource interface that are over: a scan, a gear, a flying saw, the DMA latch.
+fn used_resources(mcu: &mut Mcu) {
+    mcu.resources_mut().options = Options::RESOURCE | Options::GEAR | Options::DMARTS | Options::EP1K50;
+    scan_dp(mcu);
+    mcu.scan(&[]).expect("the end of a scan");
+    mcu.wrGCR(0, 1);
+    mcu.wrGCR(0, 0);
+    for (device, index, sub, kind, value) in [
+        (7000, 6, 2, Type::Double, 50.0),
+        (7000, 1, 2, Type::Integer, 1.0),
+        (7000, 1, 2, Type::Integer, 0.0),
+        (8001, 0, 0, Type::Integer, 1.0),
+        (8000, 0, 0, Type::Integer, 1.0),
+    ] {
+        let mut d = ObjectDescriptor::new(device, index, sub, kind, WRITE);
+        let done =
+            if kind == Type::Double { mcu.wrOptionDbl(&mut d, value) } else { mcu.wrOptionInt(&mut d, value as i32) };
+        assert_eq!(done, Code::Ok, "{d:?}");
+    }
+}
+/// Three resources a sample.
+fn scan_dp(mcu: &mut Mcu) {
+    let chosen = (0..3).map(|axis| {
+        let mut d = ObjectDescriptor::new(1, axis, 0, Type::Double, READ);
+        mcu.rdOptionDbl(&mut d).expect("dp can be read");
+        (axis.to_string(), d)
+    });
+    let chosen: Vec<_> = chosen.collect();
+    mcu.scan(&chosen).expect("dp can be scanned");
+}
+/// The DMA latch at 10 kHz, scanned.
+fn latch_fast(mcu: &mut Mcu) {
+    mcu.resources_mut().options = Options::RESOURCE | Options::DMARTS | Options::EP1K50;
+    let rules = Stimulus::parse("at 0 s: input 14 pulsing 10 kHz", &["X", "Y", "Z"]).expect("a rule");
+    mcu.add_stimulus(&rules);
+    let mut block = ObjectDescriptor::new(8013, 3 | 7 << 16, 16, Type::DataBlock, READ);
+    assert_eq!(mcu.rdOptionInt(&mut block), Err(Code::Busy));
+    mcu.scan(&[("block".to_owned(), block)]).expect("a block can be scanned");
+    assert_eq!(mcu.wrOptionInt(&mut ObjectDescriptor::new(8001, 0, 0, Type::Integer, WRITE), 1), Code::Ok);
+}
+
 /// Seconds of [`ADDITIONS`] additions of which each waits for the one before: the measure of this machine just now.
 fn additions_s() -> f64 {
     let step = std::hint::black_box(1e-9);
@@ -95,6 +139,10 @@ fn median(mut values: Vec<f64>) -> f64 {
 /// Runs a case in short slices with a slice of additions after each; only the cases that the command line asks for, if
 /// it does.
 fn measure(name: &str, axes: usize, program: fn() -> Arc<Program>) {
+    measure_with(name, axes, program, |_| {});
+}
+
+fn measure_with(name: &str, axes: usize, program: fn() -> Arc<Program>, prepare: impl Fn(&mut Mcu)) {
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     if !wanted.is_empty() && !wanted.iter().any(|w| name.contains(w.as_str())) {
         return;
@@ -104,6 +152,7 @@ fn measure(name: &str, axes: usize, program: fn() -> Arc<Program>) {
     mcu.prepare_gcode();
     mcu.load(0, program);
     mcu.startcnct(0);
+    prepare(&mut mcu);
     let mut trace = Trace::new(axes, SLICE as usize);
     let (mut samples_s, mut addition_s) = (Vec::new(), Vec::new());
     loop {
@@ -126,6 +175,9 @@ fn measure(name: &str, axes: usize, program: fn() -> Arc<Program>) {
 
 fn main() {
     measure("long lines", 3, long_lines);
+    measure_with("long, used", 3, long_lines, used_resources);
+    measure_with("long, scan of 3", 3, long_lines, scan_dp);
+    measure_with("long, 10 kHz", 3, long_lines, latch_fast);
     measure("short blocks", 3, short_blocks);
     measure("arcs", 3, arcs);
     measure("18 axes", 18, eighteen_axes);

@@ -108,11 +108,29 @@ def test_directions_and_data_types(mcu: Mcu) -> None:
         r.AOUT[0]
 
 
+def test_errors_by_name_say_what_to_do(mcu: Mcu) -> None:
+    r = mcu.resources
+    with pytest.raises(ResourceError, match="the board has no option ENDAT"):
+        r.ENDAT_TPV["X"]
+    with pytest.raises(ResourceError, match="only be written"):
+        r.AOUT[0]
+    with pytest.raises(ResourceError, match="only be read"):
+        r.dp["X"] = 1.0
+    with pytest.raises(ResourceError, match="Index: axis, SubIndex: 0 to 5"):
+        r.RefOffset["X", 6]
+    with pytest.raises(AttributeError, match="did you mean poserr"):
+        r.poserror["X"]
+    with pytest.raises(IndexError, match="no such index"):
+        r.dp["X", 1, 2]
+    with pytest.raises(KeyError, match="no axis Q; it has X, Y, Z"):
+        r.dp["Q"]
+
+
 @pytest.mark.shows("res.return.index-range", "res.descriptor.subindex")
 def test_out_of_range_changes_nothing(mcu: Mcu) -> None:
     mcu.resources.fit("RESOURCE", "ENDAT")
     for device in DEVICES.values():
-        if device.index_is_axis and device.readable:
+        if device.index == "axis" and device.readable:
             for index in (-1, 3, 2**31 - 1):
                 d = ObjectDescriptor(device.first, index, type=device.type)
                 read = mcu.resources.rdoptiondbl if device.type is D else mcu.resources.rdoptionint

@@ -13,9 +13,9 @@ use std::sync::Arc;
 
 /// handle, bus, device, index, sub-index, data type, access
 type Descriptor = (i32, i32, i32, i32, i32, i32, i32);
-/// first and last number, name, data type, readable, writable, whether Index and SubIndex are axes, and the Index of a
-/// function
-type Row = (i32, i32, &'static str, i32, bool, bool, bool, bool, Option<i32>);
+/// first and last number, name, data type, readable, writable, what Index and SubIndex are ("axis", "0 to 5", "3", "-"
+/// for no meaning), the Index of a function, and the options that are needed
+type Row = (i32, i32, &'static str, i32, bool, bool, String, String, Option<i32>, Vec<&'static str>);
 
 fn descriptor(d: Descriptor) -> ObjectDescriptor {
     let (handle, bus, device, index, sub_index, data_type, access) = d;
@@ -184,9 +184,16 @@ fn outside() -> PyErr {
 #[pyfunction]
 pub fn resource_devices() -> Vec<Row> {
     let row = |d: &Device| {
-        let axes = [d.index, d.sub_index].map(|range| range == Range::Axis);
+        let [index, sub_index] = [d.index, d.sub_index].map(|range| match range {
+            Range::Any => "-".to_owned(),
+            Range::Axis => "axis".to_owned(),
+            Range::Below(1) => "0".to_owned(),
+            Range::Below(most) => format!("0 to {}", most - 1),
+            Range::Only(function) => function.to_string(),
+        });
         let function = if let Range::Only(function) = d.index { Some(function) } else { None };
-        (d.first, d.last, d.name, d.kind as i32, d.read.is_some(), d.write.is_some(), axes[0], axes[1], function)
+        let needs = d.needs.names().collect();
+        (d.first, d.last, d.name, d.kind as i32, d.read.is_some(), d.write.is_some(), index, sub_index, function, needs)
     };
     DEVICES.iter().flat_map(|table| table.iter()).map(row).collect()
 }
