@@ -106,6 +106,13 @@ pub enum Statement {
     Done,
 }
 
+impl Statement {
+    /// The next line follows, whatever stands elsewhere in the text.
+    pub(crate) fn goes_on(&self) -> bool {
+        matches!(self, Statement::Goto { taken: false, .. } | Statement::Write { .. } | Statement::Done)
+    }
+}
+
 /// A block, reused from line to line.
 #[derive(Clone, Debug, Default)]
 pub struct Block {
@@ -123,6 +130,8 @@ pub struct Block {
     pub skip: Option<u8>,
     /// First to last word.
     pub span: Span,
+    /// The same in characters, for findings that come when the text is gone.
+    pub columns: Span,
     /// `O100` or `:100` first in the block.
     pub program: Option<Word>,
     /// `L NAME`

@@ -106,13 +106,18 @@ impl Reports {
     }
     /// Adds a finding unless this place already has it, or too many have been found.
     pub fn add(&mut self, place: Place, fault: &Fault) {
+        let span = columns(place.text, fault.span);
+        self.add_columns(place, fault, span);
+    }
+    /// As `add`, where only the columns of the place are known; `place.text` does not count.
+    pub fn add_columns(&mut self, place: Place, fault: &Fault, columns: Span) {
         if self.stopped || !self.seen.insert((place.file_index, place.line, fault.span.start, fault.id)) {
             return;
         }
         if fault.id.is_warning() {
             self.warnings += 1;
             if self.warnings <= MAX_WARNINGS {
-                self.list.push(resolve(place, fault.id, fault.span, fault.message.clone()));
+                self.list.push(resolve(place, fault.id, columns, fault.message.clone()));
             } else {
                 self.seen.remove(&(place.file_index, place.line, fault.span.start, fault.id));
             }
@@ -121,11 +126,11 @@ impl Reports {
         if self.errors == self.max_errors {
             self.stopped = true;
             let message = fill(Id::GC111.template(), &[&self.max_errors]);
-            self.list.push(resolve(place, Id::GC111, fault.span, message));
+            self.list.push(resolve(place, Id::GC111, columns, message));
             return;
         }
         self.errors += 1;
-        self.list.push(resolve(place, fault.id, fault.span, fault.message.clone()));
+        self.list.push(resolve(place, fault.id, columns, fault.message.clone()));
     }
     /// Further warnings are kept, not only counted.
     pub fn keeps_warnings(&self) -> bool {
@@ -147,12 +152,17 @@ impl Reports {
     }
 }
 
-/// Turns byte offsets into columns.
-fn resolve(place: Place, id: Id, span: Span, message: String) -> Diagnostic {
-    let column = characters(place.text, span.start as usize) + 1;
-    let end_column = characters(place.text, span.end as usize).max(column);
-    let file = place.file.to_owned();
+/// A finding at columns that count from 0, `end` exclusive.
+fn resolve(place: Place, id: Id, columns: Span, message: String) -> Diagnostic {
+    let (column, file) = (columns.start + 1, place.file.to_owned());
+    let end_column = columns.end.max(column);
     Diagnostic { file, line: place.line, column, end_column, id: id.name(), message, hint: id.hint() }
+}
+
+/// A place in a line in characters instead of bytes.
+#[inline]
+pub fn columns(text: &[u8], span: Span) -> Span {
+    Span { start: characters(text, span.start as usize), end: characters(text, span.end as usize) }
 }
 
 /// Characters before byte `end`: UTF-8 where the line is valid UTF-8, else one per byte (Windows-1252).

@@ -33,6 +33,8 @@ pub struct Facts {
     pub lines: u32,
     /// State at the first block of a part.
     pub start: Option<Start>,
+    /// `modal` and `feeds` are wanted; they grow with the program.
+    pub by_line: bool,
 }
 
 impl Facts {
@@ -50,10 +52,14 @@ impl Facts {
             blocks: 0,
             lines: 0,
             start: None,
+            by_line: true,
         }
     }
     /// Notes the modal codes of a line.
     pub fn modal_changed(&mut self, line: u32, codes: Codes) {
+        if !self.by_line {
+            return;
+        }
         let texts = &mut self.modal_texts;
         let number = *self.known.entry(codes).or_insert_with(|| {
             texts.push(codes.to_string());
@@ -63,7 +69,9 @@ impl Facts {
     }
     /// Notes the feed of a line, mm/min or degree/min.
     pub fn feed_changed(&mut self, line: u32, feed: f64) {
-        note(&mut self.feeds, line, feed);
+        if self.by_line {
+            note(&mut self.feeds, line, feed);
+        }
     }
     /// Notes a tool change; a loop of them is not remembered for ever.
     pub fn tool_changed(&mut self, tool: u32) {

@@ -101,6 +101,11 @@ impl<'s> Flows<'s> {
         self.current = self.lines.mark();
         self.lines.next_line()
     }
+    /// The line that is being read comes from elsewhere.
+    #[inline]
+    pub fn stand_at(&mut self, line: u32) {
+        self.current = Mark { offset: 0, line };
+    }
     pub fn depth(&self) -> usize {
         self.calls.len()
     }

@@ -1,6 +1,6 @@
 //! The axes of the contour group, by slot (position in the group) and by address letter.
 
-use motion_kernel::axes::AxisSet;
+use motion_kernel::axes::{AxisList, AxisSet};
 use motion_kernel::machine::{AxisKind, Machine};
 
 use crate::block::letter_index;
@@ -53,6 +53,10 @@ impl ContourGroup {
             group.push(machine, index, b'S');
         }
         group
+    }
+    /// The axes in the order of their slots, as commands list them.
+    pub fn axis_list(&self) -> AxisList {
+        AxisList::new(&self.axes.iter().map(|a| a.axis).collect::<Vec<_>>())
     }
     fn push(&mut self, machine: &Machine, index: usize, letter: u8) {
         let axis = &machine.axes[index];

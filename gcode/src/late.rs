@@ -1,9 +1,7 @@
 //! Findings that come when their line is behind: blocks slowed down by merging, hints about the whole program.
 
 use crate::block::Block;
-use crate::diagnostics::{Fault, Id, Span};
-use crate::expression::Environment;
-use crate::parser;
+use crate::diagnostics::{Fault, Id, Place, Span};
 use crate::program::Run;
 use crate::source::Lines;
 
@@ -11,12 +9,21 @@ impl<'s> Run<'_, '_, 's> {
     /// GW926 for the blocks that were slowed down since the last call.
     #[cold]
     pub(crate) fn report_slowed(&mut self) {
-        for (line, span) in std::mem::take(&mut self.t.sink.slowed) {
-            let text = if self.reports.keeps_warnings() { self.main_line(line) } else { b" " };
+        for (line, columns) in std::mem::take(&mut self.t.sink.slowed) {
+            if columns != Span::default() || !self.reports.keeps_warnings() {
+                self.report_columns(line, &Fault::new(Id::GW926, columns));
+                continue;
+            }
             // a block of another file is known by its call only
-            let span = if span == Span::default() { Span::new(0, text.trim_ascii_end().len().max(1)) } else { span };
+            let text = self.main_line(line);
+            let span = Span::new(0, text.trim_ascii_end().len().max(1));
             self.report(line, text, &Fault::new(Id::GW926, span));
         }
+    }
+    /// A finding whose span is in columns.
+    fn report_columns(&mut self, line: u32, fault: &Fault) {
+        let (file_index, file) = self.flows.file();
+        self.reports.add_columns(Place { file_index, file, line, text: b"" }, fault, fault.span);
     }
     /// Text of a line of the main file, read again.
     fn main_line(&mut self, line: u32) -> &'s [u8] {
@@ -40,18 +47,8 @@ impl<'s> Run<'_, '_, 's> {
         if !self.t.state.modal.inch || reach <= 60.0 {
             return;
         }
-        let line = self.t.inch_line;
-        let text = self.main_line(line);
-        let span = self.unit_code(text).unwrap_or(Span::new(0, 1));
-        self.report(line, text, &Fault::with(Id::GW934, span, &[&format!("{reach:.1}")]));
-    }
-    /// Where the unit code of a line stands.
-    fn unit_code(&mut self, text: &[u8]) -> Option<Span> {
-        let (mut block, mut faults, none) = (Block::default(), Vec::new(), |_: u32| None);
-        let variables = &self.variables;
-        let env = Environment { variables, system: &none, angle_names: self.t.dialect.oword, dry: true, equal: 0.0 };
-        parser::parse(text, &env, &self.t.dialect, &mut block, &mut faults);
-        block.code_of(crate::codes::Group::Unit).map(|g| g.span)
+        let fault = Fault::with(Id::GW934, self.inch, &[&format!("{reach:.1}")]);
+        self.report_columns(self.t.inch.0, &fault);
     }
 
     /// GW904 at the first word that is read as increments.

@@ -1,12 +1,12 @@
 //! Radius correction on its way to autocode: holds one block back until the next one fixes its end.
 
-use motion_kernel::autocode::Instr;
 use motion_kernel::axes::AxisSet;
 
 use crate::arc;
 use crate::correction::{Corner, Element, Offset, Piece, Vector, Watch};
 use crate::diagnostics::{Check, Fault, Id, Span};
 use crate::motion::outside;
+use crate::segments::Direct;
 use crate::sink::{Circle, Motion, Sink};
 
 /// What stands between the block that is held back and the next one.
@@ -16,7 +16,7 @@ pub(crate) enum Held {
     Motion(Motion),
     Ssf(u32, AxisSet, u16, f64, bool),
     Event(u32, String, String),
-    Instr(u32, Instr),
+    Direct(u32, Direct),
     Stop,
     Flush,
 }
@@ -56,6 +56,9 @@ impl Sink {
     /// Axes stand beside the programmed path.
     pub fn is_displaced(&self) -> bool {
         self.tracking.is_some()
+    }
+    pub(crate) fn is_holding(&self) -> bool {
+        self.tracking.as_ref().is_some_and(|t| t.pending.is_some())
     }
     /// True if the action has to wait for the block that is held back.
     pub(crate) fn hold(&mut self, action: impl FnOnce() -> Held) -> bool {
@@ -187,7 +190,7 @@ impl Sink {
             Held::Motion(motion) => self.beside(motion),
             Held::Ssf(line, axes, command, value, wait) => self.ssf(line, axes, command, value, wait),
             Held::Event(line, kind, text) => self.event(line, &kind, &text),
-            Held::Instr(line, instr) => self.instr(line, instr),
+            Held::Direct(line, what) => self.direct(line, what),
             Held::Stop => self.stop(),
             Held::Flush => self.flush(),
         }

@@ -3,8 +3,8 @@
 use motion_kernel::autocode::Program;
 use motion_kernel::machine::Machine;
 
-use crate::block::{AXIS_LETTERS, Block, mask};
-use crate::diagnostics::{Diagnostic, Fault, Id, Place, Reports, Span};
+use crate::block::Block;
+use crate::diagnostics::{Diagnostic, Fault, Id, Place, Reports, Span, columns};
 use crate::dialect::Options;
 use crate::expression::Environment;
 use crate::facts::Facts;
@@ -14,6 +14,7 @@ use crate::part::Part;
 use crate::seen::Numbers;
 use crate::source::{Lines, Mark, check_length, check_text};
 use crate::statements::head_length;
+use crate::tape::is_numbered_mark;
 use crate::translate::{Flow, Translator};
 use crate::variables::Variables;
 
@@ -28,6 +29,13 @@ pub struct Compiled {
 }
 
 impl Compiled {
+    pub(crate) fn new(mut translator: Translator, reports: Reports) -> Self {
+        let keep = !reports.has_errors() && !translator.options.check_only;
+        let (diagnostics, more_warnings) = reports.finish();
+        translator.settle_facts();
+        let Translator { sink, facts, .. } = translator;
+        Compiled { program: keep.then(|| sink.finish()), diagnostics, more_warnings, facts }
+    }
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|d| !d.is_warning())
     }
@@ -43,16 +51,11 @@ pub fn compile(source: &[u8], filename: &str, machine: &Machine, options: &Optio
         Err(fault) => reports.add(Place { file_index: 0, file: filename, line: 1, text: b" " }, &fault),
         Ok(()) => Run::new(&mut translator, &mut reports, source, filename, &files).run(),
     }
-    let failed = reports.has_errors();
-    let (diagnostics, more_warnings) = reports.finish();
-    translator.settle_facts();
-    let keep = !failed && !options.check_only;
-    let Translator { sink, facts, .. } = translator;
-    Compiled { program: keep.then(|| sink.finish()), diagnostics, more_warnings, facts }
+    Compiled::new(translator, reports)
 }
 
 /// A group without axes, speed or acceleration cannot move.
-fn check_machine(translator: &Translator) -> crate::diagnostics::Check<()> {
+pub(crate) fn check_machine(translator: &Translator) -> crate::diagnostics::Check<()> {
     let gcode = &translator.machine.gcode;
     let axes = &translator.group.axes;
     let dead = |v: f64| v.is_nan() || v <= 0.0;
@@ -84,18 +87,24 @@ pub(crate) struct Run<'t, 'm, 's> {
     pub mode: Mode,
     numbers: Numbers,
     /// The program has begun: a block was executed.
-    begun: bool,
+    pub begun: bool,
     /// Commands so far, and the block count when the last came.
     commanded: (u64, u64),
-    ended: bool,
+    pub ended: bool,
     any_block: bool,
     pub told: Told,
     /// Lines already executed, to be read again.
     pub behind: Option<Lines<'s>>,
     /// Times that M99 still starts the main program again, from there.
-    main_loop: (u32, Mark),
-    last: (u32, Span, &'s [u8]),
-    faults: Vec<Fault>,
+    pub main_loop: (u32, Mark),
+    /// The last block that was executed: line, bytes, text.
+    pub last: (u32, Span, Vec<u8>),
+    /// Columns of the last unit code to inch.
+    pub inch: Span,
+    pub faults: Vec<Fault>,
+    /// The text is read once, from its beginning to its end: what would look back sets `needs_whole`.
+    pub once: bool,
+    pub needs_whole: bool,
     pub part: Part,
     /// Line of the O number of the main program.
     pub program_line: u32,
@@ -110,7 +119,7 @@ pub(crate) struct Told {
 }
 
 impl<'t, 'm, 's> Run<'t, 'm, 's> {
-    fn new(
+    pub(crate) fn new(
         t: &'t mut Translator<'m>,
         reports: &'t mut Reports,
         source: &'s [u8],
@@ -132,8 +141,11 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             told: Told::default(),
             behind: None,
             main_loop: (0, Mark::default()),
-            last: (1, Span::default(), b" "),
+            last: (1, Span::default(), b" ".to_vec()),
+            inch: Span::new(0, 1),
             faults: Vec::new(),
+            once: false,
+            needs_whole: false,
             part: Part::default(),
             program_line: 0,
         }
@@ -144,7 +156,8 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         if let Err(fault) = self.find_part() {
             return self.report(1, b" ", &fault);
         }
-        self.skip_leader(&mut block);
+        let first = self.leader(self.flows.lines.clone(), &mut block);
+        while self.flows.lines.mark().line < first && self.flows.lines.next_line().is_some() {}
         self.main_loop.0 = self.t.dialect.main_loop;
         while !self.reports.stopped() {
             let Some((line, text)) = self.flows.next_line() else {
@@ -155,11 +168,11 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             };
             self.line(line, text, &mut block);
         }
-        self.finish();
+        self.finish(self.flows.lines.mark().line - 1);
     }
 
     #[inline]
-    fn line(&mut self, line: u32, text: &'s [u8], block: &mut Block) {
+    pub(crate) fn line(&mut self, line: u32, text: &[u8], block: &mut Block) {
         let first = text.iter().copied().find(|b| !matches!(b, b' ' | b'\t')).unwrap_or(0);
         if first == 0 && text.iter().all(|b| matches!(b, b' ' | b'\t')) {
             return;
@@ -183,7 +196,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
     }
 
     /// Parses a line; in `Read` mode and in skipped blocks only its form counts.
-    fn read(&mut self, line: u32, text: &[u8], block: &mut Block) {
+    pub(crate) fn read(&mut self, line: u32, text: &[u8], block: &mut Block) {
         block.clear(line);
         let system = |n: u32| crate::system::variable(self.t, n);
         let env = Environment {
@@ -194,10 +207,11 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             equal: self.t.dialect.equal_tolerance,
         };
         parser::parse(text, &env, &self.t.dialect, block, &mut self.faults);
+        block.columns = columns(text, block.span);
     }
 
     #[inline]
-    fn one_block(&mut self, line: u32, text: &'s [u8], block: &mut Block) {
+    fn one_block(&mut self, line: u32, text: &[u8], block: &mut Block) {
         if block.is_empty() && self.faults.is_empty() && block.message.is_none() {
             return;
         }
@@ -231,7 +245,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
     }
 
     #[inline]
-    fn execute(&mut self, line: u32, text: &'s [u8], block: &mut Block) {
+    fn execute(&mut self, line: u32, text: &[u8], block: &mut Block) {
         self.t.line = self.flows.source_line(line);
         self.t.in_main = self.flows.file().0 == 0;
         if self.main_loop.1 == Mark::default() {
@@ -243,7 +257,9 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         if !self.within_part(line) {
             return;
         }
-        self.last = (line, block.span, text);
+        (self.last.0, self.last.1) = (line, block.span);
+        self.last.2.clear();
+        self.last.2.extend_from_slice(text);
         if let Some(n) = block.word(b'N')
             && self.flows.is_first_pass(line)
             && self.numbers.seen_before(n.value as u32)
@@ -256,6 +272,9 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             self.execute_special(block, text)
         };
         self.begun = true;
+        if let Some(span) = self.t.inch.1.take() {
+            self.inch = columns(text, span);
+        }
         match result {
             Ok(Flow::Next) => {}
             Ok(flow) => self.turn(flow, block),
@@ -312,6 +331,10 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
                 self.t.write(&statement, block.span);
                 Ok(Flow::Next)
             }
+            Some(statement) if self.once && !statement.goes_on() => {
+                self.needs_whole = true;
+                Ok(Flow::Next)
+            }
             Some(statement) => {
                 self.flows.statement(&statement, block, &mut self.variables)?;
                 Ok(Flow::Next)
@@ -320,7 +343,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         }
     }
     /// Another program begins where this one did not end: as if it had ended.
-    fn next_program(&mut self) {
+    pub(crate) fn next_program(&mut self) {
         if self.flows.depth() > 0 {
             self.flows.leave(&mut self.variables);
         } else {
@@ -330,6 +353,10 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
     }
     /// Calls, returns and the end of the program.
     fn turn(&mut self, flow: Flow, block: &Block) {
+        if self.once && (matches!(flow, Flow::Call(_)) || self.main_loop.0 > 0) {
+            self.needs_whole = true;
+            return;
+        }
         let turn = match flow {
             Flow::Next => Ok(Turn::Go),
             Flow::End if self.t.dialect.strict_end && self.flows.depth() > 0 => {
@@ -403,75 +430,9 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
     pub(crate) fn reports_to_main(&mut self, line: u32, text: &[u8], fault: &Fault) {
         self.reports.add(Place { file_index: 0, file: self.flows.main_name(), line, text }, fault);
     }
-    /// `%`: start of the program, its end, or the start of another one.
-    fn tape_mark(&mut self, line: u32, text: &[u8]) {
-        let trimmed = text[head_length(text)..].trim_ascii();
-        let name = trimmed[1..].trim_ascii();
-        let span = Span::new(0, text.len());
-        if !self.begun && !self.ended && !self.flows.starts_subprogram(name) {
-            let foreign = [(&b"_N_"[..], "Sinumerik"), (b"MPF", "Sinumerik"), (b"PM", "Philips")];
-            if let Some((_, dialect)) = foreign.iter().find(|f| name.to_ascii_uppercase().starts_with(f.0)) {
-                self.report(line, text, &Fault::with(Id::GW903, span, &[dialect]));
-            }
-            self.mode = Mode::Run;
-            return;
-        }
-        if self.flows.depth() > 0 {
-            return self.flows.leave(&mut self.variables);
-        }
-        if !self.ended && self.begun && self.mode == Mode::Run {
-            self.next_program();
-        }
-        self.mode = if name.is_empty() || name.starts_with(b"(") { Mode::Ignore } else { Mode::Read };
-    }
-    fn warn_missing_end(&mut self) {
-        if self.t.options.mdi {
-            return;
-        }
-        let (line, span, text) = self.last;
-        self.report(line, text, &Fault::new(Id::GW909, Span { end: span.end.max(1), ..span }));
-    }
-
-    /// Leader text before the first `%` is not part of the program.
-    fn skip_leader(&mut self, block: &mut Block) {
-        let start = self.flows.lines.mark();
-        let mut found = None;
-        let mut text_before = None;
-        self.mode = Mode::Read;
-        for _ in 0..50 {
-            let Some((line, text)) = self.flows.lines.next_line() else { break };
-            if text.trim_ascii().starts_with(b"%") {
-                found = Some(line);
-                break;
-            }
-            // a line that is too long is not worth parsing
-            let too_long = check_length(text).is_err();
-            if !too_long {
-                self.read(line, text, block);
-            }
-            let bad = too_long || self.faults.iter().any(|f| !f.id.is_warning());
-            self.faults.clear();
-            if !bad && (block.has_any(AXIS_LETTERS | mask("TSF")) || !block.g.is_empty() || !block.m.is_empty()) {
-                break;
-            }
-            if (bad || !block.is_empty()) && text_before.is_none() {
-                text_before = Some((line, text));
-            }
-        }
-        self.mode = Mode::Run;
-        let Some(first) = found.filter(|line| *line > 1) else {
-            self.flows.lines.go(start);
-            return;
-        };
-        if let Some((line, text)) = text_before {
-            self.report(line, text, &Fault::new(Id::GW901, Span::new(0, text.len())));
-        }
-        self.flows.lines.go(start);
-        while self.flows.lines.mark().line < first && self.flows.lines.next_line().is_some() {}
-    }
-
-    fn finish(&mut self) {
-        self.t.facts.lines = self.flows.lines.mark().line - 1;
+    /// Behind the last of `lines` lines.
+    pub(crate) fn finish(&mut self, lines: u32) {
+        self.t.facts.lines = lines;
         self.check_part();
         self.lint_subprograms();
         if !self.any_block {
@@ -485,15 +446,10 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             self.t.end("M02");
         }
         self.t.sink.flush();
-        let (line, _, text) = self.last;
-        self.settle(line, text);
+        let (line, _, text) = std::mem::take(&mut self.last);
+        self.settle(line, &text);
         if self.t.dialect.integer_increment == 0.0 {
             self.hint_inch();
         }
     }
-}
-
-/// `N890 %`, as Mach3 ends a tape.
-fn is_numbered_mark(text: &[u8]) -> bool {
-    text.trim_ascii_end().ends_with(b"%") && text[head_length(text)..].trim_ascii() == b"%"
 }

@@ -1,6 +1,6 @@
 //! The motion commands as columns, for path checks and plots: one row per command, in execution order.
 
-use motion_kernel::autocode::{Instr, Program};
+use motion_kernel::autocode::{Instr, Move, Program};
 use motion_kernel::machine::{Axis, AxisKind, Machine};
 use motion_kernel::registers::ModeReg;
 
@@ -43,33 +43,54 @@ pub struct SequenceColumns {
 
 /// The motion commands of a program.
 pub fn sequence(program: &Program, machine: &Machine) -> SequenceColumns {
-    let a = machine.axes.len();
-    let mut position: Vec<f64> = machine.axes.iter().map(|axis| axis.start).collect();
-    let mut columns = SequenceColumns { axes: a, start: position.clone(), ..SequenceColumns::default() };
-    let mut radii = Radii::new(machine);
-    columns.effradius.extend(&radii.now);
-    for (&line, instr) in program.lines.iter().zip(&program.code) {
-        if radii.follow(instr, program) {
-            columns.effradius.extend(&radii.now);
+    Sequencer::new(machine).next(program)
+}
+
+/// Turns a program into columns, segment by segment.
+pub struct Sequencer {
+    position: Vec<f64>,
+    radii: Radii,
+}
+
+impl Sequencer {
+    pub fn new(machine: &Machine) -> Self {
+        Sequencer { position: machine.axes.iter().map(|axis| axis.start).collect(), radii: Radii::new(machine) }
+    }
+    /// The columns of the next segment; `start` is where the one before it ends.
+    pub fn next(&mut self, program: &Program) -> SequenceColumns {
+        let a = self.position.len();
+        let mut columns = SequenceColumns { axes: a, start: self.position.clone(), ..SequenceColumns::default() };
+        columns.effradius.extend(&self.radii.now);
+        for (&line, instr) in program.lines.iter().zip(&program.code) {
+            if self.radii.follow(instr, program) {
+                columns.effradius.extend(&self.radii.now);
+            }
+            if let Instr::Spool(number) = instr {
+                self.push(&mut columns, program, line, &program.moves[*number as usize]);
+            }
         }
-        let Instr::Spool(number) = instr else { continue };
-        let mv = &program.moves[*number as usize];
-        let axes = program.axes_of(mv);
-        let vias = program.vias_of(mv);
+        columns
+    }
+    fn push(&mut self, columns: &mut SequenceColumns, program: &Program, line: u32, mv: &Move) {
+        let (axes, vias) = (program.axes_of(mv), program.vias_of(mv));
         columns.via_first.push(columns.via_line.len() as u32);
         columns.via_count.push(vias.len() as u32);
+        let radii = &self.radii;
         for via in vias {
             columns.via_line.push(via.line);
-            let mut row = position.clone();
+            let first = columns.via_target.len();
+            columns.via_target.extend_from_slice(&self.position);
+            let row = &mut columns.via_target[first..];
             axes.iter().zip(program.via_targets(mv, via)).for_each(|(axis, v)| row[axis] = radii.axis_unit(axis, *v));
-            columns.via_target.extend(row);
         }
-        axes.iter().zip(program.targets_of(mv)).for_each(|(axis, v)| position[axis] = radii.axis_unit(axis, *v));
+        for (axis, v) in axes.iter().zip(program.targets_of(mv)) {
+            self.position[axis] = radii.axis_unit(axis, *v);
+        }
         let linear = mv.kind.is_linear();
         columns.kind.push(u8::from(!linear));
         columns.line.push(line);
         columns.rapid.push(mv.rapid);
-        columns.target.extend_from_slice(&position);
+        columns.target.extend_from_slice(&self.position);
         columns.c1.push(if linear { 0 } else { axes.at(0) as u8 });
         columns.c2.push(if linear { 0 } else { axes.at(1) as u8 });
         let center = |i: usize| if linear { 0.0 } else { radii.axis_unit(axes.at(i), mv.center[i]) };
@@ -78,9 +99,8 @@ pub fn sequence(program: &Program, machine: &Machine) -> SequenceColumns {
         columns.vl.push(mv.vl);
         columns.ac.push(mv.ac);
         columns.tvl.push(mv.tvl);
-        columns.effradius_of.push((columns.effradius.len() / a - 1) as u16);
+        columns.effradius_of.push((columns.effradius.len() / columns.axes - 1) as u16);
     }
-    columns
 }
 
 /// The effective radii while a program is read from its first instruction to its last.

@@ -151,8 +151,7 @@ fn function_text(program: &Program, machine: &Machine, ssf: &Ssf) -> String {
     };
     let meaning = match ssf.command {
         HOST_EVENT_CI => {
-            let event = (ssf.value as usize).checked_sub(1).and_then(|n| program.events.get(n));
-            event.map_or(String::new(), |e| format!("tell the application: {} {}", e.kind, e.text))
+            program.event(ssf.value).map_or(String::new(), |e| format!("tell the application: {} {}", e.kind, e.text))
         }
         spool::HALT => "halt".to_owned(),
         spool::SET_OUTPUTS => format!("set output {}", lines(ssf.value)),

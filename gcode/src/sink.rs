@@ -9,6 +9,7 @@ use crate::diagnostics::{Check, Span};
 use crate::dialect::Dialect;
 use crate::group::{ContourGroup, Point, SLOTS};
 use crate::offset_path::{Held, Tracking};
+use crate::segments::Deliver;
 
 /// A circle in the plane of two slots, in machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +25,7 @@ pub struct Circle {
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
     pub line: u32,
-    /// The block it comes from.
+    /// Columns of the block it comes from.
     pub span: Span,
     pub rapid: bool,
     /// Ends at standstill (G60, G61, G09).
@@ -76,15 +77,17 @@ const MAX_PASSED: usize = 256;
 
 /// The motion that has been written last, as long as nothing stops behind it.
 #[derive(Clone, Copy, Debug)]
-struct Previous {
+pub(crate) struct Previous {
     vl: f64,
-    joins: bool,
+    pub(crate) joins: bool,
     end_vl: f64,
     tangent: Point,
 }
 
 pub struct Sink {
-    builder: Builder,
+    pub(crate) builder: Builder,
+    /// Takes the program in segments.
+    pub(crate) deliver: Option<Deliver>,
     /// Radius correction, if one is active.
     pub(crate) tracking: Option<Tracking>,
     /// Slots of the plane of the correction.
@@ -92,10 +95,10 @@ pub struct Sink {
     /// Extents of corrected motions.
     pub(crate) low: Point,
     pub(crate) high: Point,
-    keep: bool,
+    pub(crate) keep: bool,
     pub(crate) group: ContourGroup,
-    list: u16,
-    circle_lists: Vec<([usize; 2], u16)>,
+    pub(crate) list: u16,
+    pub(crate) circle_lists: Vec<([usize; 2], u16)>,
     sample: f64,
     /// Cosine of the angle above which corners stop; -1: none does.
     corner_cos: f64,
@@ -107,7 +110,7 @@ pub struct Sink {
     pub(crate) position: Point,
     run: Option<Run>,
     spare: Vec<Passed>,
-    previous: Option<Previous>,
+    pub(crate) previous: Option<Previous>,
     pub merged: Merged,
     /// Lines of blocks that were slowed down (GW926), to be reported by the translator.
     pub slowed: Vec<(u32, Span)>,
@@ -119,9 +122,10 @@ impl Sink {
     pub fn new(group: &ContourGroup, machine: &Machine, dialect: &Dialect, keep: bool) -> Self {
         let modereg = ModeReg(machine.gcode.modereg);
         let mut builder = Builder::new(group.set(), machine.gcode.start_fill);
-        let list = builder.axis_list(AxisList::new(&group.axes.iter().map(|a| a.axis).collect::<Vec<_>>()));
+        let list = builder.axis_list(group.axis_list());
         Sink {
             builder,
+            deliver: None,
             tracking: None,
             plane: [0, 1],
             low: group.start,
@@ -154,7 +158,7 @@ impl Sink {
     /// The commands so far; the next one starts from where the axes stand before the program.
     pub(crate) fn begin_again(&mut self, start_fill: u32) -> Program {
         let mut builder = Builder::new(self.group.set(), if self.keep { start_fill } else { 0 });
-        self.list = builder.axis_list(AxisList::new(&self.group.axes.iter().map(|a| a.axis).collect::<Vec<_>>()));
+        self.list = builder.axis_list(self.group.axis_list());
         self.circle_lists.clear();
         (self.position, self.low, self.high) = (self.group.start, self.group.start, self.group.start);
         (self.previous, self.merged) = (None, Merged::default());
@@ -196,7 +200,7 @@ impl Sink {
             self.short(motion);
         } else {
             self.close_run();
-            self.write(motion, (0, 0));
+            self.write(motion, &[]);
         }
     }
     fn short(&mut self, motion: Motion) {
@@ -225,7 +229,7 @@ impl Sink {
         }
     }
     #[inline]
-    fn close_run(&mut self) {
+    pub(crate) fn close_run(&mut self) {
         if let Some(run) = self.run.take() {
             self.close(run);
         }
@@ -235,19 +239,11 @@ impl Sink {
         let motion = Motion { length, vl: run.speed(length), ..run.last };
         self.merged.blocks += run.passed.len() as u64;
         self.merged.max_mm = self.merged.max_mm.max(run.deviation);
-        let first = self.builder.via_count();
-        if self.keep {
-            for passed in &run.passed {
-                let point = self.spooled(&passed.point);
-                let target = self.builder.numbers(&point[..self.group.len()]);
-                self.builder.via(Via { line: passed.line, target });
-            }
-        }
-        self.write(motion, (first, self.builder.via_count()));
+        self.write(motion, &run.passed);
         self.spare = run.passed;
     }
 
-    fn write(&mut self, motion: Motion, vias: (u32, u32)) {
+    fn write(&mut self, motion: Motion, passed: &[Passed]) {
         self.merged.max_mm = self.merged.max_mm.max(motion.slack);
         let mut vl = motion.vl;
         let least = LEAST_SAMPLES * self.sample;
@@ -274,7 +270,8 @@ impl Sink {
             last.tvl = previous.vl.min(vl).min(previous.end_vl);
         }
         if self.keep {
-            self.emit(&motion, vl, vias);
+            self.cut();
+            self.emit(&motion, vl, passed);
         }
         let joins = (!motion.rapid || self.rapid_blend) && !motion.exact;
         self.previous = Some(Previous { vl, joins, end_vl: motion.end_vl, tangent: tangents.1 });
@@ -287,8 +284,15 @@ impl Sink {
             }
         }
     }
-    fn emit(&mut self, motion: &Motion, vl: f64, vias: (u32, u32)) {
+    fn emit(&mut self, motion: &Motion, vl: f64, passed: &[Passed]) {
         let n = self.group.len();
+        let first = self.builder.via_count();
+        for passed in passed {
+            let point = self.spooled(&passed.point);
+            let target = self.builder.numbers(&point[..n]);
+            self.builder.via(Via { line: passed.line, target });
+        }
+        let vias = if passed.is_empty() { (0, 0) } else { (first, self.builder.via_count()) };
         let Motion { rapid, ac, line, .. } = *motion;
         let end = self.spooled(&motion.target);
         let Some(circle) = motion.circle else {
@@ -372,7 +376,7 @@ impl Sink {
             self.flush()
         }
         self.commands += 1;
-        if self.keep {
+        if self.begins() {
             self.builder.ssf(line, Ssf { axes, command, value });
         }
     }
@@ -382,37 +386,12 @@ impl Sink {
         }
         self.close_run();
         self.commands += 1;
-        if self.keep {
+        if self.begins() {
             let axis = self.first_axis();
             self.builder.event(axis, HostEvent { line, kind: kind.to_owned(), text: text.to_owned() });
         }
     }
-    /// An instruction of the task itself, behind everything spooled so far.
-    pub fn instr(&mut self, line: u32, instr: Instr) {
-        if self.hold(|| Held::Instr(line, instr)) {
-            return;
-        }
-        self.close_run();
-        self.commands += 1;
-        if self.keep {
-            self.builder.emit(line, instr);
-        }
-    }
-    /// Another effective radius (section 11); the caller has drained the spoolers.
-    pub fn effradius(&mut self, line: u32, slot: usize, radius: f64, on_surface: bool) {
-        self.group.set_radius(slot, radius, on_surface);
-        let (number, axis) = (self.number(radius), self.group.axes[slot].axis as u16);
-        self.instr(line, Instr::Number(number));
-        self.instr(line, Instr::EffRadius(axis));
-    }
-    /// A text of the pool.
-    pub fn text(&mut self, text: &str) -> u32 {
-        if self.keep { self.builder.text(text) } else { 0 }
-    }
-    /// A number of the pool.
-    pub fn number(&mut self, value: f64) -> u32 {
-        if self.keep { self.builder.numbers(&[value]) } else { 0 }
-    }
+    /// The program, or its last segment.
     pub fn finish(self) -> Program {
         self.builder.finish()
     }

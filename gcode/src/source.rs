@@ -41,13 +41,13 @@ fn is_harmless(byte: u8) -> bool {
 }
 
 /// Length of what may stand before the first character: byte order mark, NUL and rub-out of a paper tape.
-fn leader(source: &[u8]) -> usize {
+pub(crate) fn leader(source: &[u8]) -> usize {
     let mark = if source.starts_with(&[0xEF, 0xBB, 0xBF]) { 3 } else { 0 };
     mark + source[mark..].iter().take_while(|&&b| matches!(b, 0 | 0x7F)).count()
 }
 
 /// Length without the tape marks (DC1..DC4, SUB) and blanks at the very end.
-fn trailer(source: &[u8]) -> usize {
+pub(crate) fn trailer(source: &[u8]) -> usize {
     let is_end = |b: &&u8| matches!(**b, 0x11..=0x14 | 0x1A | b'\n' | b'\r' | b' ' | b'\t' | 0 | 3);
     source.len() - source.iter().rev().take_while(is_end).count()
 }
@@ -71,6 +71,10 @@ impl<'a> Lines<'a> {
     pub fn new(source: &'a [u8]) -> Self {
         let (start, end) = (leader(source), trailer(source));
         Lines { source: &source[..end.max(start)], at: Mark { offset: start, line: 1 } }
+    }
+    /// Lines of a piece of a text, which begins with that line and ends with a line end.
+    pub(crate) fn piece(source: &'a [u8], line: u32) -> Self {
+        Lines { source, at: Mark { offset: 0, line } }
     }
     pub fn mark(&self) -> Mark {
         self.at

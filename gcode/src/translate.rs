@@ -53,8 +53,8 @@ pub struct Translator<'a> {
     pub(crate) sent: Option<f64>,
     /// The block stands in the main file.
     pub(crate) in_main: bool,
-    /// Line of the last unit code to inch.
-    pub(crate) inch_line: u32,
+    /// Line of the last unit code to inch, and where it stands in it: bytes, if that is new.
+    pub(crate) inch: (u32, Option<Span>),
     /// Characters of the output string so far (section 15.4).
     pub(crate) written: usize,
     pub(crate) target_program: Point,
@@ -109,7 +109,7 @@ impl<'a> Translator<'a> {
             threading: false,
             sent: None,
             in_main: true,
-            inch_line: 1,
+            inch: (1, None),
             written: 0,
             target_program: group.start,
             used: 0,
@@ -235,7 +235,7 @@ impl<'a> Translator<'a> {
                 return Err(Fault::with(Id::GC329, word.span, &[&char::from(letter)]));
             }
             if inch && self.in_main {
-                self.inch_line = self.line;
+                self.inch = (self.line, Some(g.span));
             }
             self.state.modal.inch = inch;
         }
@@ -325,10 +325,10 @@ impl<'a> Translator<'a> {
         Ok(())
     }
 
-    /// The block in the main file; empty for one of another file.
+    /// Columns of the block in the main file; empty for one of another file.
     #[inline]
     pub(crate) fn place(&self, block: &Block) -> Span {
-        if self.in_main { block.span } else { Span::default() }
+        if self.in_main { block.columns } else { Span::default() }
     }
     /// A length word in mm.
     pub(crate) fn length(&self, block: &Block, letter: u8) -> Option<f64> {

@@ -53,8 +53,7 @@ impl Translator<'_> {
         }
         self.written += length;
         if !cut.is_empty() {
-            let number = self.sink.text(&cut);
-            self.sink.instr(self.line, Instr::WriteText(number));
+            self.sink.write_text(self.line, cut);
         }
     }
 }

@@ -181,7 +181,7 @@ pub struct HostEvent {
 /// `ssf(axis, 198, n + 1)` announces host event n of the program.
 pub const HOST_EVENT_CI: u16 = 198;
 
-/// A compiled program. Immutable once built.
+/// A compiled program, or a segment of one that is executed as it comes (see `Mcu::load_segments`). Immutable once built.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Program {
     pub code: Vec<Instr>,
@@ -194,6 +194,8 @@ pub struct Program {
     pub vias: Vec<Via>,
     pub texts: Vec<String>,
     pub events: Vec<HostEvent>,
+    /// Events of the segments before this one: `events[0]` is announced as `first_event + 1`.
+    pub first_event: u32,
     /// Axes of the contour group; spooling starts by itself when `start_fill` commands wait (din66025.md 17).
     pub group: AxisSet,
     /// 0: only `Ssms` and a full spooler (AutoSpool) start it.
@@ -213,6 +215,10 @@ impl Program {
     /// End points of the blocks a merged line replaces, without the last.
     pub fn vias_of(&self, mv: &Move) -> &[Via] {
         &self.vias[mv.vias.0 as usize..mv.vias.1 as usize]
+    }
+    /// The event that `ssf(axis, 198, number)` announces.
+    pub fn event(&self, number: f64) -> Option<&HostEvent> {
+        (number as usize).checked_sub(self.first_event as usize + 1).and_then(|n| self.events.get(n))
     }
     pub fn via_targets(&self, mv: &Move, via: &Via) -> &[f64] {
         let first = via.target as usize;
@@ -267,7 +273,7 @@ impl Builder {
     pub fn event(&mut self, axis: usize, event: HostEvent) -> u32 {
         let line = event.line;
         self.program.events.push(event);
-        let number = self.program.events.len() as f64;
+        let number = f64::from(self.program.first_event + self.program.events.len() as u32);
         self.ssf(line, Ssf { axes: AxisSet::single(axis), command: HOST_EVENT_CI, value: number })
     }
     pub fn text(&mut self, text: &str) -> u32 {
@@ -290,5 +296,11 @@ impl Builder {
     }
     pub fn finish(self) -> Program {
         self.program
+    }
+    /// What is written so far as a segment of its own; the next one numbers its events on.
+    pub fn cut(&mut self) -> Program {
+        let Program { group, start_fill, first_event, .. } = self.program;
+        let first_event = first_event + self.program.events.len() as u32;
+        std::mem::replace(&mut self.program, Program { group, start_fill, first_event, ..Program::default() })
     }
 }

@@ -1,7 +1,10 @@
 //! What the tests of this crate share.
 #![allow(dead_code)] // each test binary uses a part of it
 
-use gcode::{Compiled, Options, compile};
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use gcode::{Compiled, Deliver, Options, Sequencer, compile, compile_once};
 use motion_kernel::autocode::{Instr, MoveKind, Program};
 use motion_kernel::machine::Machine;
 
@@ -94,4 +97,78 @@ pub fn points(program: &Program) -> Vec<Vec<f64>> {
         all.push(end);
     }
     all
+}
+
+/// Everything that a program in segments says, operand by operand; a whole program is one segment.
+pub fn flat(segments: &[Program], machine: &Machine) -> Vec<String> {
+    let (mut said, mut moved) = (Vec::new(), Vec::new());
+    let mut sequencer = Sequencer::new(machine);
+    for p in segments {
+        for (line, instr) in p.lines.iter().zip(&p.code) {
+            let what = match *instr {
+                Instr::Spool(n) => {
+                    let mv = &p.moves[n as usize];
+                    let vias: Vec<_> = p.vias_of(mv).iter().map(|v| (v.line, p.via_targets(mv, v))).collect();
+                    let bare = motion_kernel::autocode::Move { axes: 0, target: 0, vias: (0, 0), ..*mv };
+                    format!("{bare:?} {:?} {:?} {vias:?}", p.axes_of(mv), p.targets_of(mv))
+                }
+                Instr::Ssf(n) if p.ssfs[n as usize].command == 198 => {
+                    format!("{:?} {:?}", p.ssfs[n as usize], p.event(p.ssfs[n as usize].value))
+                }
+                Instr::Ssf(n) => format!("{:?}", p.ssfs[n as usize]),
+                Instr::Number(n) => format!("number {}", p.numbers[n as usize]),
+                Instr::WriteText(n) => format!("text {}", p.texts[n as usize]),
+                other => format!("{other:?}"),
+            };
+            said.push(format!("{line} {what}"));
+        }
+        let c = sequencer.next(p);
+        let rows = c.target.chunks(c.axes).zip(c.center.chunks(2)).zip(&c.effradius_of);
+        let radii = |row: &u16| &c.effradius[usize::from(*row) * c.axes..][..c.axes];
+        moved.extend(rows.map(|((to, centre), row)| format!("{to:?} {centre:?} {:?}", radii(row))));
+    }
+    said.extend(moved);
+    said
+}
+
+/// As [`compile`], read once in windows of that size and put together from segments of about `every` instructions.
+/// `None`: the program must be compiled whole.
+pub fn once(
+    text: &[u8],
+    machine: &Machine,
+    options: &Options,
+    window: usize,
+    every: u32,
+) -> Option<(Vec<Program>, Compiled)> {
+    let segments = Rc::new(RefCell::new(Vec::new()));
+    let taken = segments.clone();
+    let deliver = Deliver { every, to: Box::new(move |segment| taken.borrow_mut().push(segment)) };
+    let compiled =
+        compile_once(&mut &*text, "t.nc", machine, options, Some(deliver), window).expect("it can be read")?;
+    let mut segments = segments.take();
+    segments.extend(compiled.program.clone());
+    Some((segments, compiled))
+}
+
+/// Insists on equal findings, facts and commands of both ways, if the program can be read once. True if it can.
+pub fn same_once(text: &[u8], machine: &Machine, options: &Options, window: usize, every: u32) -> bool {
+    let Some((segments, found)) = once(text, machine, options, window, every) else { return false };
+    let whole = compile(text, "t.nc", machine, options);
+    let shown = || {
+        format!("windows of {window}, segments of {every}\n{}", String::from_utf8_lossy(&text[..text.len().min(3000)]))
+    };
+    assert_eq!(found.diagnostics, whole.diagnostics, "{}", shown());
+    assert_eq!(found.more_warnings, whole.more_warnings, "{}", shown());
+    let facts =
+        |c: &Compiled| (c.facts.low, c.facts.high, c.facts.tools.clone(), c.facts.motion_blocks, c.facts.merged);
+    assert_eq!(facts(&found), facts(&whole), "{}", shown());
+    assert_eq!((found.facts.blocks, found.facts.lines), (whole.facts.blocks, whole.facts.lines), "{}", shown());
+    match whole.program {
+        Some(program) => {
+            let (one, all) = (flat(&segments, machine), flat(&[program], machine));
+            assert!(one == all, "{}\n{:?}", shown(), one.iter().zip(&all).find(|(a, b)| a != b));
+        }
+        None => assert!(found.program.is_none(), "{}", shown()),
+    }
+    true
 }
