@@ -3,10 +3,12 @@
 mod debug;
 mod output;
 mod sap_task;
+mod segments;
 mod vm;
 
 pub use debug::Value;
 pub use output::{Output, STRING};
+pub use segments::Segments;
 pub use vm::{Task, TaskState, TaskStatus, runtime_error};
 
 use crate::mcu::{Mcu, TASKS};

@@ -8,7 +8,7 @@ use crate::motion::MotionCommand;
 use crate::registers::{Axst, ModeReg};
 use crate::sap::processor::Processor;
 use crate::spooler::{BYTES_FUNCTION, SpoolState};
-use crate::tasks::Output;
+use crate::tasks::{Output, Segments};
 use std::sync::Arc;
 
 /// Runtime errors (6.8, table 40; ours from 1000 on).
@@ -95,10 +95,12 @@ enum Flow {
 #[derive(Debug, Default)]
 pub struct Task {
     program: Option<Arc<Program>>,
+    /// Where the segments behind `program` come from.
+    pub(super) segments: Option<Segments>,
     /// Registers of a rw_SymPas program; where it is there, `program` is not.
     pub(super) sap: Option<Box<Processor>>,
     pub(super) state: TaskState,
-    pc: usize,
+    pub(super) pc: usize,
     stack: Vec<f64>,
     calls: Vec<u32>,
     locals: Vec<f64>,
@@ -129,8 +131,14 @@ impl Task {
     }
     pub fn start(&mut self) {
         if let Some(program) = self.program.take() {
+            let segments = self.segments.take();
+            let gone = segments.as_ref().is_some_and(Segments::has_begun);
             self.load(program);
-            self.state = TaskState::Running;
+            (self.state, self.segments) = (TaskState::Running, segments);
+            if gone {
+                let error = RuntimeError { number: runtime_error::BAD_ADDRESS, line: self.line() };
+                (self.state, self.error) = (TaskState::Failed, Some(error));
+            }
         } else if let Some(sap) = &mut self.sap {
             sap.restart();
             (self.state, self.error, self.told) = (TaskState::Running, None, false);
@@ -218,7 +226,7 @@ impl Task {
         if self.sap.is_some() {
             return self.run_sap(mcu);
         }
-        let Some(program) = self.program.take() else { return };
+        let Some(mut program) = self.program.take() else { return };
         let share = mcu.machine.controller.statements_per_sample.max(1);
         let mut statements = 0;
         self.waiting = false;
@@ -231,7 +239,12 @@ impl Task {
                 break;
             }
             match self.execute(instr, &program, mcu) {
-                Ok(Flow::Next) => self.pc += 1,
+                Ok(Flow::Next) => {
+                    self.pc += 1;
+                    if self.pc == program.code.len() {
+                        self.next_segment(&mut program);
+                    }
+                }
                 Ok(Flow::Jump(to)) => self.pc = to,
                 Ok(Flow::Again) => break,
                 Err(number) => self.fail(number, &program),
