@@ -43,7 +43,7 @@ pub struct Deviations {
     squares: f64,
     pub max: f64,
     max_sample: u64,
-    max_block: u32,
+    max_line: u32,
     max_position: Vec<f64>,
     left: f64,
     right: f64,
@@ -58,7 +58,7 @@ impl Deviations {
             squares: 0.0,
             max: -1.0,
             max_sample: 0,
-            max_block: 0,
+            max_line: 0,
             max_position: Vec::new(),
             left: 0.0,
             right: 0.0,
@@ -66,8 +66,9 @@ impl Deviations {
         }
     }
 
+    /// `line` gives the source line of the block that the foot is on.
     #[inline]
-    pub fn add(&mut self, d: f64, signed: f64, sample: u64, block: u32, position: &[f64]) {
+    pub fn add(&mut self, d: f64, signed: f64, sample: u64, line: impl FnOnce() -> u32, position: &[f64]) {
         self.count += 1;
         self.sum += d;
         self.squares += d * d;
@@ -81,7 +82,7 @@ impl Deviations {
         if d > self.max {
             self.max = d;
             self.max_sample = sample;
-            self.max_block = block;
+            self.max_line = line();
             self.max_position.clear();
             self.max_position.extend_from_slice(position);
         }
@@ -100,7 +101,7 @@ impl Deviations {
         self.max.max(0.0)
     }
 
-    pub fn summary(&self, sample_time_s: f64, line_of: impl Fn(u32) -> u32) -> DeviationSummary {
+    pub fn summary(&self, sample_time_s: f64) -> DeviationSummary {
         if self.count == 0 {
             return DeviationSummary::default();
         }
@@ -115,7 +116,7 @@ impl Deviations {
             left_mm: self.left,
             right_mm: self.right,
             worst: Worst {
-                line: line_of(self.max_block),
+                line: self.max_line,
                 t_s: (self.max_sample + 1) as f64 * sample_time_s,
                 position: self.max_position.clone(),
             },
@@ -144,14 +145,14 @@ mod tests {
         let mut deviations = Deviations::new();
         let mut sorted: Vec<f64> = (1..=10_000).map(|i| 1e-3 * (f64::from(i) * 0.618).fract().powi(3)).collect();
         for (k, d) in sorted.iter().enumerate() {
-            deviations.add(*d, f64::NAN, k as u64, 0, &[*d]);
+            deviations.add(*d, f64::NAN, k as u64, || 7, &[*d]);
         }
         sorted.sort_by(f64::total_cmp);
         for (q, at) in [(0.5, 4999), (0.95, 9499), (0.99, 9899), (1.0, 9999)] {
             let found = deviations.quantile(q);
             assert!(found >= sorted[at] * (1.0 - 1e-7) && found <= sorted[at] * (1.0 + 5e-4), "{q}: {found}");
         }
-        let summary = deviations.summary(0.5, |_| 7);
+        let summary = deviations.summary(0.5);
         assert_eq!(summary.worst.position, vec![sorted[9999]]);
         assert_eq!(summary.worst.line, 7);
     }

@@ -272,6 +272,7 @@ impl Path {
             left -= rest;
             t = 0.0;
         }
+        self.end_seen.set();
         self.length_mm()
     }
 
@@ -281,6 +282,9 @@ impl Path {
         let ends_before = |i: usize| self.segments[i].s0 + self.segments[i].length < s;
         while segment + 1 < self.segments.len() && ends_before(segment) && !self.is_apart(segment + 1) {
             segment += 1;
+        }
+        if self.segments[segment].s0 + self.segments[segment].length < s {
+            self.end_seen.set();
         }
         let t = (s - self.segments[segment].s0).clamp(0.0, self.segments[segment].length);
         if segment == from.segment { Place { segment, t: t.max(from.t) } } else { Place { segment, t } }
@@ -296,7 +300,10 @@ impl Path {
                 return None;
             }
         }
-        let segment = self.segments.get(at.segment)?;
+        let Some(segment) = self.segments.get(at.segment) else {
+            self.end_seen.set();
+            return None;
+        };
         let end = (to - segment.s0).min(segment.length);
         if end <= at.t {
             return None;

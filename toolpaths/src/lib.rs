@@ -11,6 +11,7 @@ mod deviation;
 mod evidence;
 mod feed;
 mod follower;
+mod growth;
 mod limits;
 mod nearest;
 mod passages;
@@ -22,6 +23,7 @@ mod sequence;
 mod series;
 mod stretches;
 mod tracker;
+mod watched;
 
 pub use blocks::BlockStats;
 pub use chords::{Chord, Chords};

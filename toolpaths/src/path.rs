@@ -1,5 +1,6 @@
 //! The path as programmed: segments in the metric of design D7, in execution order, before merging (design D20).
 
+use crate::growth::{EndSeen, Of};
 use crate::ring::Ring;
 use crate::segment::{Circle, LINE, Segment, Shape};
 use crate::sequence::{MAX_AXES, PathError, SequenceView};
@@ -46,18 +47,22 @@ pub struct Path {
     /// Columns per point: `axes` padded to a width that the inner loops are compiled for.
     pub(crate) width: usize,
     pub(crate) segments: Vec<Segment>,
-    starts: Vec<f64>,
-    slopes: Vec<f64>,
+    pub(crate) starts: Vec<f64>,
+    pub(crate) slopes: Vec<f64>,
     pub(crate) circles: Vec<Circle>,
     pub(crate) rings: Vec<Ring>,
     /// Segments that begin elsewhere than the one before ends: no foot goes there by itself.
     pub(crate) apart: Vec<usize>,
     /// (rows, width): from axis units to mm; 0 in padding columns.
     pub(crate) scales: Vec<f64>,
-    blocks: Vec<Block>,
-    start: Vec<f64>,
-    merged: Merged,
-    length: f64,
+    pub(crate) blocks: Vec<Block>,
+    pub(crate) start: Vec<f64>,
+    /// Where the last motion command ends, and how many there are.
+    pub(crate) end: Vec<f64>,
+    pub(crate) commands: usize,
+    pub(crate) merged: Merged,
+    pub(crate) length: f64,
+    pub(crate) end_seen: EndSeen,
     /// Largest distance between the end of an arc by centre and angle, and its target.
     pub arc_end_error_mm: f64,
 }
@@ -74,55 +79,16 @@ pub(crate) const WIDTHS: [usize; 4] = [3, 4, 6, MAX_AXES];
 impl Path {
     /// Builds the geometry. Errors name the motion command and its source line.
     pub fn new(sequence: SequenceView) -> Result<Path, PathError> {
-        sequence.check()?;
-        let axes = sequence.axes;
-        let width = *WIDTHS.iter().find(|&&w| w >= axes).expect("checked: at most 18 axes");
-        let mut path = Path {
-            axes,
-            width,
-            segments: Vec::with_capacity(sequence.len()),
-            starts: Vec::with_capacity(sequence.len() * width),
-            slopes: Vec::with_capacity(sequence.len() * width),
-            circles: Vec::new(),
-            rings: Vec::new(),
-            apart: Vec::new(),
-            scales: scales(&sequence, width),
-            blocks: Vec::with_capacity(sequence.len()),
-            start: sequence.start.to_vec(),
-            merged: Merged::default(),
-            length: 0.0,
-            arc_end_error_mm: 0.0,
-        };
-        let mut from = padded(sequence.start, width);
-        for i in 0..sequence.len() {
-            let target = padded(&sequence.target[i * axes..(i + 1) * axes], width);
-            if let Some(begin) = sequence.space.begin.get(i * axes..(i + 1) * axes) {
-                let begin = padded(begin, width);
-                if begin.iter().zip(&from).any(|(a, b)| (a - b).abs() > JOINS) {
-                    path.apart.push(path.segments.len());
-                }
-                from = begin;
-            }
-            match sequence.kind[i] {
-                0 => path.push_line(&sequence, i, &from, &target),
-                2 => path.push_ring(&sequence, i, &from, &target)?,
-                _ => path.push_circle(&sequence, i, &from, &target)?,
-            }
-            from = target;
-        }
-        if let Some(block) = path.blocks.iter().find(|block| !block.length.is_finite()) {
-            let (command, line) = (block.entry as usize, block.line);
-            return Err(PathError::Value { command, line, what: "the move is longer than numbers reach" });
-        }
-        if path.segments.is_empty() {
-            path.push_point(&sequence);
-        }
+        let mut path = Path::begin(sequence.start)?;
+        path.reserve(sequence.len());
+        path.append(&sequence)?;
+        path.close();
         Ok(path)
     }
 
     /// A program without motion: its path is the start position, its block is none of the program's (entry 0).
-    fn push_point(&mut self, sequence: &SequenceView) {
-        let here = padded(sequence.start, self.width);
+    pub(crate) fn push_point(&mut self) {
+        let here = padded(&self.start, self.width);
         if self.scales.is_empty() {
             self.scales = (0..self.width).map(|a| if a < self.axes { 1.0 } else { 0.0 }).collect();
         }
@@ -145,8 +111,9 @@ impl Path {
     }
 
     /// A line and the blocks it replaces, as programmed.
-    fn push_line(&mut self, sequence: &SequenceView, i: usize, from: &[f64], target: &[f64]) {
-        let (axes, width, row) = (self.axes, self.width, sequence.effradius_of[i]);
+    pub(crate) fn push_line(&mut self, of: Of, from: &[f64], target: &[f64]) {
+        let (axes, width) = (self.axes, self.width);
+        let Of { sequence, i, row } = of;
         let mut here = self.scaled(row, from);
         let end = self.scaled(row, target);
         let first = sequence.via_first[i] as usize;
@@ -156,25 +123,25 @@ impl Path {
             let off = distance_to_chord(&chord_start, &end, &via);
             self.merged.blocks += 1;
             self.merged.max_mm = self.merged.max_mm.max(off);
-            self.push_block(sequence, i, sequence.via_line[v]);
-            self.push_straight(sequence, i, &here, &via);
+            self.push_block(of, sequence.via_line[v]);
+            self.push_straight(of, &here, &via);
             here = via;
         }
-        self.push_block(sequence, i, sequence.line[i]);
-        self.push_straight(sequence, i, &here, &end);
+        self.push_block(of, sequence.line[i]);
+        self.push_straight(of, &here, &end);
     }
 
-    fn push_straight(&mut self, sequence: &SequenceView, i: usize, from: &[f64], to: &[f64]) {
+    fn push_straight(&mut self, of: Of, from: &[f64], to: &[f64]) {
         let delta: Vec<f64> = from.iter().zip(to).map(|(f, t)| t - f).collect();
         let length = norm(&delta);
         if length > 0.0 {
             let slope: Vec<f64> = delta.iter().map(|d| d / length).collect();
-            self.push_segment(sequence, i, length, from, &slope, LINE);
+            self.push_segment(of, length, from, &slope, LINE);
         }
     }
 
-    fn push_circle(&mut self, sequence: &SequenceView, i: usize, from: &[f64], to: &[f64]) -> Result<(), PathError> {
-        let row = sequence.effradius_of[i];
+    pub(crate) fn push_circle(&mut self, of: Of, from: &[f64], to: &[f64]) -> Result<(), PathError> {
+        let Of { sequence, i, row } = of;
         let (here, end) = (self.scaled(row, from), self.scaled(row, to));
         let (c1, c2) = (usize::from(sequence.c1[i]), usize::from(sequence.c2[i]));
         let scale = &self.scales[usize::from(row) * self.width..];
@@ -190,7 +157,7 @@ impl Path {
         delta[c2] = 0.0;
         let straight = norm(&delta);
         let length = (radius * phi).hypot(straight);
-        self.push_block(sequence, i, sequence.line[i]);
+        self.push_block(of, sequence.line[i]);
         if length > 0.0 {
             let slope: Vec<f64> = delta.iter().map(|d| d / length).collect();
             let turns = radius * phi.abs() > 0.0;
@@ -200,7 +167,7 @@ impl Path {
                 let (mm_per_radian, helical) = (1.0 / rate, straight > 0.0);
                 self.circles.push(Circle { c1, c2, center, radius, theta0, rate, mm_per_radian, helical, ring: LINE });
             }
-            self.push_segment(sequence, i, length, &here, &slope, number);
+            self.push_segment(of, length, &here, &slope, number);
         }
         Ok(())
     }
@@ -212,14 +179,14 @@ impl Path {
     }
 
     /// A circle in space; axes beside its three stand still.
-    fn push_ring(&mut self, sequence: &SequenceView, i: usize, from: &[f64], to: &[f64]) -> Result<(), PathError> {
-        let row = sequence.effradius_of[i];
+    pub(crate) fn push_ring(&mut self, of: Of, from: &[f64], to: &[f64]) -> Result<(), PathError> {
+        let Of { sequence, i, row } = of;
         let (here, end) = (self.scaled(row, from), self.scaled(row, to));
         let scale = self.scales[usize::from(row) * self.width..][..self.width].to_vec();
         let (length, number) = self.ring(sequence, i, &scale, &here, &end)?;
-        self.push_block(sequence, i, sequence.line[i]);
+        self.push_block(of, sequence.line[i]);
         if length > 0.0 {
-            self.push_segment(sequence, i, length, &here, &vec![0.0; self.width], number);
+            self.push_segment(of, length, &here, &vec![0.0; self.width], number);
         }
         Ok(())
     }
@@ -241,16 +208,25 @@ impl Path {
         let size = radius + center[0].abs() + center[1].abs();
         match off <= 1e-6 + 1e-9 * size {
             true => Ok(()),
-            false => Err(PathError::ArcEnd { command: i + 1, line: sequence.line[i], off_mm: off }),
+            false => Err(PathError::ArcEnd { command: self.commands + i + 1, line: sequence.line[i], off_mm: off }),
         }
     }
 
-    fn push_block(&mut self, sequence: &SequenceView, i: usize, line: u32) {
+    fn push_block(&mut self, of: Of, line: u32) {
+        let Of { sequence, i, .. } = of;
         let (vl, rapid) = (sequence.vl[i], sequence.rapid[i]);
-        self.blocks.push(Block { line, entry: i as u32 + 1, s0: self.length, length: 0.0, vl, rapid });
+        self.blocks.push(Block {
+            line,
+            entry: (self.commands + i) as u32 + 1,
+            s0: self.length,
+            length: 0.0,
+            vl,
+            rapid,
+        });
     }
 
-    fn push_segment(&mut self, seq: &SequenceView, i: usize, length: f64, from: &[f64], slope: &[f64], circle: u32) {
+    fn push_segment(&mut self, of: Of, length: f64, from: &[f64], slope: &[f64], circle: u32) {
+        let Of { sequence: seq, i, row } = of;
         let plane = slope.get(1).map_or(slope[0].abs(), |y| slope[0].hypot(*y));
         self.segments.push(Segment {
             s0: self.length,
@@ -261,7 +237,7 @@ impl Path {
             plane_scale: if plane > 1e-9 { 1.0 / plane } else { f64::NAN },
             circle,
             block: self.blocks.len() as u32 - 1,
-            scale: seq.effradius_of[i],
+            scale: row,
         });
         self.starts.extend_from_slice(from);
         self.slopes.extend_from_slice(slope);
@@ -418,17 +394,7 @@ impl Polyline {
     }
 }
 
-/// Axis units to mm, per row of effective radii: linear axes (NaN) count in their own unit.
-fn scales(sequence: &SequenceView, width: usize) -> Vec<f64> {
-    let mut scales = Vec::with_capacity(sequence.effradius.len() / sequence.axes * width);
-    for row in sequence.effradius.chunks_exact(sequence.axes) {
-        scales.extend(row.iter().map(|r| if r.is_nan() { 1.0 } else { r.to_radians() }));
-        scales.extend(std::iter::repeat_n(0.0, width - sequence.axes));
-    }
-    scales
-}
-
-fn padded(point: &[f64], width: usize) -> Vec<f64> {
+pub(crate) fn padded(point: &[f64], width: usize) -> Vec<f64> {
     let mut padded = point.to_vec();
     padded.resize(width, 0.0);
     padded

@@ -79,6 +79,16 @@ impl fmt::Display for PathError {
     }
 }
 
+impl PathError {
+    /// Counts motion commands behind those that were there before.
+    pub(crate) fn behind(mut self, commands: usize) -> Self {
+        if let PathError::Value { command, .. } | PathError::ArcEnd { command, .. } = &mut self {
+            *command += commands;
+        }
+        self
+    }
+}
+
 impl std::error::Error for PathError {}
 
 /// Axes of the controller (design D12).

@@ -7,11 +7,13 @@ use crate::deviation::{DeviationSummary, Deviations};
 use crate::evidence::{At, Evidence};
 use crate::feed::{FeedCheck, FeedSummary, Interval, OverrideCheck, OverrideSummary};
 use crate::follower::{ADVANCE, Follower, Place, SLACK_MM, Sample};
+use crate::growth::Growth;
 use crate::limits::{BlockLimit, Limits, Tally, limit_of};
 use crate::passages::Passages;
 use crate::path::{Merged, Path, WIDTHS};
 use crate::segment::squared_distance;
 use crate::series::{LengthSeries, TimeSeries};
+use crate::watched::Watched;
 
 #[derive(Clone, Debug)]
 pub struct TrackerOptions {
@@ -111,13 +113,15 @@ const END_MM: f64 = 1e-3;
 const ON_PATH_MM: f64 = 1e-9;
 
 /// Measures a run against a path. Feed chunks in order, then [`Tracker::finish`].
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Tracker {
-    path: Arc<Path>,
+    pub(crate) path: Arc<Path>,
+    /// Where the rest of the path comes from.
+    pub(crate) growth: Option<Growth>,
     options: TrackerOptions,
     samples: u64,
-    setpoint: Trace,
-    actual: Trace,
+    pub(crate) setpoint: Trace,
+    pub(crate) actual: Trace,
     last_dp: Vec<f64>,
     last_deviation: f64,
     samples_per_s: f64,
@@ -125,7 +129,8 @@ pub struct Tracker {
     overrides: OverrideCheck,
     following: Vec<(f64, f64)>,
     lag_max: f64,
-    blocks: Vec<BlockStats>,
+    /// One per block; none where blocks are forgotten when they are behind.
+    pub(crate) blocks: Vec<BlockStats>,
     pub(crate) over_length: LengthSeries,
     pub(crate) over_time: TimeSeries,
     watched: Watched,
@@ -135,35 +140,9 @@ pub struct Tracker {
 }
 
 #[derive(Clone, Debug)]
-struct Trace {
-    follower: Follower,
+pub(crate) struct Trace {
+    pub follower: Follower,
     deviations: Deviations,
-}
-
-/// Largest deviation per piece of a polyline, for the terminal's path plot.
-#[derive(Clone, Debug, Default)]
-struct Watched {
-    s_mm: Vec<f64>,
-    max_mm: Vec<f32>,
-    /// Signed deviation in the plane where the largest was found.
-    signed_mm: Vec<f32>,
-    at: usize,
-}
-
-impl Watched {
-    #[inline]
-    fn add(&mut self, s: f64, deviation: f32, signed: f32) {
-        while self.at + 1 < self.s_mm.len() && s > self.s_mm[self.at] {
-            self.at += 1;
-            // a piece that no sample fell into has the deviation with which it was passed
-            self.max_mm[self.at] = deviation;
-            self.signed_mm[self.at] = signed;
-        }
-        if let Some(max) = self.max_mm.get_mut(self.at).filter(|max| max.is_nan() || deviation > **max) {
-            *max = deviation;
-            self.signed_mm[self.at] = signed;
-        }
-    }
 }
 
 /// What the set point did in one interval.
@@ -186,6 +165,7 @@ impl Tracker {
         let trace = Trace { follower: Follower::default(), deviations: Deviations::new() };
         let blocks = path.segments.last().map_or(0, |s| s.block as usize + 1).max(path.blocks().len());
         Tracker {
+            growth: None,
             samples: 0,
             setpoint: trace.clone(),
             actual: trace,
@@ -211,8 +191,7 @@ impl Tracker {
     /// Also collects the largest deviation per piece of a polyline, given by the path length at its vertices.
     pub fn watch(&mut self, s_mm: &[f64]) {
         self.limits.watch(s_mm);
-        let none = vec![f32::NAN; s_mm.len()];
-        self.watched = Watched { s_mm: s_mm.to_vec(), max_mm: none.clone(), signed_mm: none, at: 0 };
+        self.watched = Watched::new(s_mm);
     }
 
     /// Largest deviation of the load side on the piece that ends at each vertex of the watched polyline,
@@ -255,14 +234,24 @@ impl Tracker {
     }
 
     fn feed_width<const N: usize>(&mut self, chunk: &Chunk, out: &mut PerSample) {
-        let path = Arc::clone(&self.path);
+        let mut path = Arc::clone(&self.path);
         let axes = path.axes;
         for k in 0..chunk.factor.len() {
             let row = k * axes..(k + 1) * axes;
             let (dp, load, rp) = (&chunk.dp[row.clone()], &chunk.load[row.clone()], &chunk.rp[row]);
             let sample = chunk.first_sample + k as u64;
-            let step = self.advance_setpoint::<N>(&path, sample, dp, chunk.factor[k]);
-            let actual = self.advance_actual::<N>(&path, sample, load, chunk.factor[k]);
+            let step = loop {
+                match self.advance_setpoint::<N>(&path, sample, dp, chunk.factor[k]) {
+                    Some(step) => break step,
+                    None => path = self.grow(path),
+                }
+            };
+            let actual = loop {
+                match self.advance_actual::<N>(&path, sample, load, chunk.factor[k]) {
+                    Some(actual) => break actual,
+                    None => path = self.grow(path),
+                }
+            };
 
             let time_s = (sample + 1) as f64 * self.options.sample_time_s;
             self.feed.add(&step.interval);
@@ -279,6 +268,7 @@ impl Tracker {
             self.over_time.add(curves, dp, rp);
             self.watched.add(s_actual, actual_mm, signed as f32);
             let at = path.segments[self.setpoint.follower.foot.segment].block;
+            let at = if self.growth.is_none() { at } else { 0 };
             self.limits.add(limit_of(chunk.flags.get(k).copied().unwrap_or(0)), at, s_set);
             if self.options.passages {
                 let speed = (chunk.v_plan[k] * chunk.factor[k], chunk.factor[k]);
@@ -302,18 +292,26 @@ impl Tracker {
         self.samples += chunk.factor.len() as u64;
     }
 
-    fn advance_setpoint<const N: usize>(&mut self, path: &Path, sample: u64, dp: &[f64], factor: f64) -> Step {
+    /// `None`: more of the path has to be known first.
+    fn advance_setpoint<const N: usize>(&mut self, path: &Path, sample: u64, dp: &[f64], factor: f64) -> Option<Step> {
         let time_s = self.options.sample_time_s;
-        let before = self.setpoint.follower.foot;
-        let row = path.segments[before.segment].scale;
+        let follower = self.setpoint.follower;
+        let before = follower.foot;
+        let row = path.segments.get(before.segment)?.scale;
         let mut x = Sample::<N>::new(path, dp, row);
         self.setpoint.follower.step(path, &mut x, time_s * factor, f64::INFINITY);
+        if self.is_short(path) {
+            self.setpoint.follower = follower;
+            return None;
+        }
         let foot = self.setpoint.follower.foot;
         let segment = &path.segments[foot.segment];
         let deviation = distance(self.setpoint.follower.d2);
         let signed = self.setpoint.follower.left_of(path, &mut x);
-        self.setpoint.deviations.add(deviation, signed, sample, segment.block, dp);
-        self.blocks[segment.block as usize].setpoint.add(deviation);
+        self.setpoint.deviations.add(deviation, signed, sample, || path.block(segment.block).line, dp);
+        if let Some(stats) = self.blocks.get_mut(segment.block as usize) {
+            stats.setpoint.add(deviation);
+        }
 
         let length = path.s_of(foot) - path.s_of(before);
         let same_segment = foot.segment == before.segment;
@@ -340,14 +338,14 @@ impl Tracker {
         }
         let speed = interval.length * self.samples_per_s;
         if same_segment {
-            self.blocks[segment.block as usize].pass(time_s, length, speed);
+            self.pass(segment.block, time_s, length, speed);
         }
         let x = x.in_row(path, segment.scale);
         let at = At { place: foot, x, raw: dp, deviation, time_s: time_s * factor, speed };
         self.evidence.setpoint.add(path, &at);
         self.last_deviation = deviation;
         self.last_dp.copy_from_slice(dp);
-        Step { interval, speed, programmed: segment.speed * factor, deviation }
+        Some(Step { interval, speed, programmed: segment.speed * factor, deviation })
     }
 
     /// Shares an interval out to the blocks that it crosses; returns the time their programmed velocities need.
@@ -355,7 +353,7 @@ impl Tracker {
         let time_s = self.options.sample_time_s;
         let mut programmed_s = 0.0;
         if length <= 0.0 {
-            self.blocks[path.segments[to.segment].block as usize].pass(time_s, 0.0, 0.0);
+            self.pass(path.segments[to.segment].block, time_s, 0.0, 0.0);
             return programmed_s;
         }
         for i in from.segment..=to.segment {
@@ -364,20 +362,36 @@ impl Tracker {
             let b = if i == to.segment { to.t } else { segment.length };
             programmed_s += (b - a) * segment.slowness;
             let share = (b - a) / length;
-            self.blocks[segment.block as usize].pass(time_s * share, b - a, length * self.samples_per_s);
+            self.pass(segment.block, time_s * share, b - a, length * self.samples_per_s);
         }
         programmed_s
     }
+    #[inline]
+    fn pass(&mut self, block: u32, time_s: f64, length: f64, speed: f64) {
+        if let Some(stats) = self.blocks.get_mut(block as usize) {
+            stats.pass(time_s, length, speed);
+        }
+    }
 
-    fn advance_actual<const N: usize>(&mut self, path: &Path, sample: u64, load: &[f64], factor: f64) -> Measured {
+    /// `None`: more of the path has to be known first.
+    fn advance_actual<const N: usize>(
+        &mut self,
+        path: &Path,
+        sample: u64,
+        load: &[f64],
+        factor: f64,
+    ) -> Option<Measured> {
         let time_s = self.options.sample_time_s;
         let set_foot = self.setpoint.follower.foot;
         let cap = path.reach(set_foot, ADVANCE * time_s * factor) + SLACK_MM;
-        let follower = &mut self.actual.follower;
+        let mut follower = self.actual.follower;
         let row = path.segments[follower.foot.segment].scale;
         let mut x = Sample::<N>::new(path, load, row);
         let s_before = follower.s(path);
         follower.step(path, &mut x, time_s * factor, cap);
+        if self.is_short(path) {
+            return None;
+        }
         let foot = follower.foot;
         let deviation = distance(follower.d2);
         let signed = follower.left_of(path, &mut x);
@@ -385,16 +399,18 @@ impl Tracker {
             // an overshoot at a stop is given back
             follower.put(set_foot);
         }
+        self.actual.follower = follower;
         let (block, row) = (path.segments[foot.segment].block, path.segments[foot.segment].scale);
         let speed = (path.s_of(foot) - s_before) * self.samples_per_s;
         let x = x.in_row(path, row);
         let at = At { place: foot, x, raw: load, deviation, time_s: time_s * factor, speed };
         self.evidence.add_actual(path, &at);
-        self.actual.deviations.add(deviation, signed, sample, block, load);
-        let stats = &mut self.blocks[block as usize];
-        stats.actual.add(deviation);
-        stats.add_signed(signed);
-        Measured { foot, deviation, signed }
+        self.actual.deviations.add(deviation, signed, sample, || path.block(block).line, load);
+        if let Some(stats) = self.blocks.get_mut(block as usize) {
+            stats.actual.add(deviation);
+            stats.add_signed(signed);
+        }
+        Some(Measured { foot, deviation, signed })
     }
 
     #[inline]
@@ -413,12 +429,12 @@ impl Tracker {
 
     /// What was measured so far; call it after the last chunk.
     pub fn finish(&mut self) -> Summary {
+        self.grow_to_end();
         self.over_time.finish();
         self.over_length.finish();
         self.limits.finish();
         self.evidence.finish();
         let path = &self.path;
-        let line_of = |block: u32| path.block(block).line;
         let foot = self.setpoint.follower.foot;
         let missing_mm = (path.length_mm() - path.s_of(foot)).max(0.0);
         let n = self.samples.max(1) as f64;
@@ -426,8 +442,8 @@ impl Tracker {
             samples: self.samples,
             path_length_mm: path.length_mm(),
             merged: path.merged(),
-            setpoint: self.setpoint.deviations.summary(self.options.sample_time_s, line_of),
-            actual: self.actual.deviations.summary(self.options.sample_time_s, line_of),
+            setpoint: self.setpoint.deviations.summary(self.options.sample_time_s),
+            actual: self.actual.deviations.summary(self.options.sample_time_s),
             following_error: self
                 .following
                 .iter()
@@ -437,7 +453,7 @@ impl Tracker {
             override_: self.overrides.summary(path.merged().max_mm),
             lag_max_mm: self.lag_max,
             missing_mm,
-            reached_line: line_of(path.segments[foot.segment].block),
+            reached_line: path.block(path.segments[foot.segment].block).line,
             completed: missing_mm <= END_MM,
             limits: self.limits.total.clone(),
         }
@@ -450,7 +466,7 @@ impl Tracker {
 
     /// One row per block of [`Path::blocks`].
     pub fn blocks(&self) -> &[BlockStats] {
-        &self.blocks[..self.path.blocks().len()]
+        &self.blocks[..self.path.blocks().len().min(self.blocks.len())]
     }
     /// What limited each block of [`Path::blocks`]; complete after [`Tracker::finish`].
     pub fn block_limits(&self) -> Vec<BlockLimit> {

@@ -34,6 +34,31 @@ pub struct Columns {
 }
 
 impl Columns {
+    /// The rows of some commands as a sequence of their own.
+    pub fn part(&self, rows: std::ops::Range<usize>) -> Columns {
+        let (i, j, a) = (rows.start, rows.end, self.axes);
+        let via = self.via_first[i] as usize;
+        let vias = via..(self.via_first[j - 1] + self.via_count[j - 1]) as usize;
+        Columns {
+            axes: a,
+            start: self.start.clone(),
+            kind: self.kind[i..j].to_vec(),
+            line: self.line[i..j].to_vec(),
+            rapid: self.rapid[i..j].to_vec(),
+            target: self.target[i * a..j * a].to_vec(),
+            c1: self.c1[i..j].to_vec(),
+            c2: self.c2[i..j].to_vec(),
+            center: self.center[2 * i..2 * j].to_vec(),
+            phi: self.phi[i..j].to_vec(),
+            vl: self.vl[i..j].to_vec(),
+            via_first: self.via_first[i..j].iter().map(|first| first - via as u32).collect(),
+            via_count: self.via_count[i..j].to_vec(),
+            via_line: self.via_line[vias.clone()].to_vec(),
+            via_target: self.via_target[vias.start * a..vias.end * a].to_vec(),
+            effradius: self.effradius.clone(),
+            effradius_of: self.effradius_of[i..j].to_vec(),
+        }
+    }
     pub fn view(&self) -> SequenceView<'_> {
         SequenceView {
             axes: self.axes,
@@ -255,8 +280,9 @@ impl Run {
         self.measure_with(program, TrackerOptions { sample_time_s: TA, ..TrackerOptions::default() })
     }
     pub fn measure_with(&self, program: &Program, options: TrackerOptions) -> Measured {
-        let path = Arc::new(program.path().expect("a path"));
-        let mut tracker = Tracker::new(path, options);
+        self.measure_by(Tracker::new(Arc::new(program.path().expect("a path")), options))
+    }
+    pub fn measure_by(&self, mut tracker: Tracker) -> Measured {
         let n = self.len();
         let mut m = Measured::new(n);
         // uneven chunks: results must not depend on them
