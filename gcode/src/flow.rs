@@ -57,7 +57,7 @@ struct CallFrame<'s> {
 
 pub(crate) struct Flows<'s> {
     pub lines: Lines<'s>,
-    current: Mark,
+    pub current: Mark,
     file: usize,
     sources: Vec<(&'s str, &'s [u8])>,
     files: &'s Files,
@@ -100,11 +100,6 @@ impl<'s> Flows<'s> {
     pub fn next_line(&mut self) -> Option<(u32, &'s [u8])> {
         self.current = self.lines.mark();
         self.lines.next_line()
-    }
-    /// The line that is being read comes from elsewhere.
-    #[inline]
-    pub fn stand_at(&mut self, line: u32) {
-        self.current = Mark { offset: 0, line };
     }
     pub fn depth(&self) -> usize {
         self.calls.len()

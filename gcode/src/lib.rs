@@ -45,6 +45,7 @@ pub mod sink;
 pub mod source;
 mod spindle;
 mod statements;
+pub mod stream;
 mod system;
 mod tape;
 mod threads;

@@ -13,7 +13,7 @@ use crate::dialect::Options;
 use crate::flow::Files;
 use crate::program::{Compiled, Run, check_machine};
 use crate::segments::Deliver;
-use crate::source::{Lines, check_text, leader, trailer};
+use crate::source::{Lines, Mark, check_text, leader, trailer};
 use crate::tape::LEADER_LINES;
 use crate::translate::Translator;
 
@@ -127,7 +127,7 @@ impl Run<'_, '_, '_> {
                 && let Some((line, text)) = lines.next_line()
             {
                 if line >= first {
-                    self.flows.stand_at(line);
+                    self.flows.current = Mark { offset: 0, line };
                     self.line(line, text, &mut block);
                 }
                 if self.needs_whole {
