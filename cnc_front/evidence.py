@@ -31,7 +31,8 @@ def evidence_keys(
     tolerance_mm: float,
 ) -> dict[str, Any]:
     """`findings`, `circularity` and `axes` of the object of `run --json`."""
-    evidence, blocks = tracker.evidence(), path.blocks()
+    evidence = tracker.evidence()
+    lines: dict[int, int] = evidence["lines"]
     setting = Setting(
         sample_time_s=machine.sample_time_us * 1e-6,
         tolerance_mm=tolerance_mm,
@@ -41,17 +42,17 @@ def evidence_keys(
     )
     named = diagnose(evidence, summary, setting)
     return {
-        "findings": [_finding(found, summary, blocks["line"], machine, setting) for found in named],
-        "circularity": [_circle(entry, blocks["line"], machine.axis_names) for entry in circles(evidence["circles"])],
+        "findings": [_finding(found, summary, lines, machine, setting) for found in named],
+        "circularity": [_circle(entry, lines, machine.axis_names) for entry in circles(evidence["circles"])],
         "axes": _axes(evidence, summary, machine),
     }
 
 
 def _finding(
-    found: Finding, summary: dict[str, Any], lines: NDArray[np.uint32], machine: native_kernel.Machine, setting: Setting
+    found: Finding, summary: dict[str, Any], lines: dict[int, int], machine: native_kernel.Machine, setting: Setting
 ) -> dict[str, Any]:
     names = machine.axis_names
-    line = int(lines[found.block]) if found.block >= 0 else summary[found.trace]["worst"]["line"]
+    line = lines[found.block] if found.block >= 0 else summary[found.trace]["worst"]["line"]
     entry: dict[str, Any] = {
         "kind": found.kind,
         "trace": found.trace,
@@ -94,11 +95,11 @@ def finding_text(entry: dict[str, Any], language: str) -> str:
     return text(f"finding_{entry['kind']}", language, **values) + f" ({side})"
 
 
-def _circle(entry: dict[str, Any], lines: NDArray[np.uint32], names: Sequence[str]) -> dict[str, Any]:
+def _circle(entry: dict[str, Any], lines: dict[int, int], names: Sequence[str]) -> dict[str, Any]:
     first, last = entry["blocks"]
     a, b = entry["axes"]
     chosen = {key: value for key, value in entry.items() if key not in ("blocks", "axes", "velocity_mm_s")}
-    place = {"line": int(lines[first]), "last_line": int(lines[last]), "plane": [names[a], names[b]]}
+    place = {"line": lines[first], "last_line": lines[last], "plane": [names[a], names[b]]}
     return place | {"feed_mm_min": entry["velocity_mm_s"] * 60} | chosen
 
 

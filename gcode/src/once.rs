@@ -26,7 +26,7 @@ const MOST_HELD: usize = 1 << 20;
 
 /// Where the text is with its reader: some of its lines, whole ones but for the last.
 struct Window<'r> {
-    input: &'r mut dyn Read,
+    input: Box<dyn Read + Send + 'r>,
     step: usize,
     text: Vec<u8>,
     /// Bytes read in all.
@@ -34,7 +34,10 @@ struct Window<'r> {
     ended: bool,
 }
 
-impl Window<'_> {
+impl<'r> Window<'r> {
+    fn new(input: Box<dyn Read + Send + 'r>, step: usize) -> Self {
+        Window { input, step, text: Vec::new(), total: 0, ended: false }
+    }
     /// Reads on, behind what is there.
     fn more(&mut self) -> std::io::Result<()> {
         let held = self.text.len();
@@ -83,14 +86,14 @@ impl Window<'_> {
 /// Compiles a program that is read once. `None`: it must be compiled whole. With `deliver` the program is handed over
 /// in segments, `Compiled::program` is the last of them. `window`: [`WINDOW`]; tests take less.
 pub fn compile_once(
-    input: &mut dyn Read,
+    input: impl Read + Send,
     filename: &str,
     machine: &Machine,
     options: &Options,
     deliver: Option<Deliver>,
     window: usize,
 ) -> std::io::Result<Option<Compiled>> {
-    let mut window = Window { input, step: window, text: Vec::new(), total: 0, ended: false };
+    let mut window = Window::new(Box::new(input), window);
     if options.from.is_some() || options.to.is_some() || options.strict || !window.begin()? {
         return Ok(None);
     }
@@ -147,5 +150,42 @@ impl Run<'_, '_, '_> {
         }
         self.finish(next - 1);
         Ok(true)
+    }
+}
+
+/// Lines of a text that are asked for in their order.
+pub(crate) struct LineReader {
+    window: Window<'static>,
+    begin: usize,
+    next: u32,
+}
+
+impl LineReader {
+    pub fn new(input: Box<dyn Read + Send>) -> Self {
+        LineReader { window: Window::new(input, WINDOW), begin: 0, next: 0 }
+    }
+    /// A line at or behind the one that was asked for last; none where the text cannot be read on.
+    pub fn line(&mut self, number: u32) -> Option<&[u8]> {
+        if self.next == 0 {
+            self.window.more().ok()?;
+            (self.begin, self.next) = (leader(&self.window.text), 1);
+        }
+        loop {
+            let end = self.window.lines_end().max(self.begin);
+            let mut lines = Lines::piece(&self.window.text[self.begin..end], self.next);
+            while lines.mark().line < number && lines.next_line().is_some() {}
+            self.next = lines.mark().line;
+            let begin = self.begin + lines.mark().offset;
+            if self.next == number && begin < end {
+                self.begin = begin;
+                return Lines::piece(&self.window.text[begin..end], number).next_line().map(|line| line.1);
+            }
+            if self.window.ended || self.next > number {
+                return None;
+            }
+            self.window.text.drain(..end);
+            self.begin = 0;
+            self.window.more().ok()?;
+        }
     }
 }

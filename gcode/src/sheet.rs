@@ -1,12 +1,14 @@
 //! What `translate` prints: the commands as JSON Lines, or as a sheet to be read beside the source, piece by piece.
 
 use std::fmt::Write;
+use std::io::Read;
 
 use motion_kernel::autocode::{HOST_EVENT_CI, Instr, Move, Program, Ssf};
 use motion_kernel::machine::Machine;
 
 use crate::listing::objects;
 use crate::mfunc::spool;
+use crate::once::LineReader;
 use crate::sequence::Radii;
 use crate::source::{Lines, Mark, decode};
 
@@ -17,7 +19,10 @@ const PIECE: usize = 4096;
 pub struct Sheet {
     json: bool,
     at: usize,
+    begun: bool,
     radii: Radii,
+    /// The text, where it is read beside the program: the commands come in the order of its lines.
+    following: Option<LineReader>,
     /// Place of each source line, and whether it commands anything (text only).
     lines: Vec<Mark>,
     commands: Vec<bool>,
@@ -44,7 +49,18 @@ impl Sheet {
                 }
             }
         }
-        Sheet { json, at: 0, radii: Radii::new(machine), lines, commands, shown: 0 }
+        Sheet { json, at: 0, begun: false, radii: Radii::new(machine), following: None, lines, commands, shown: 0 }
+    }
+    /// For a program that comes in segments: a sheet beside `text`, JSON without one. [`Sheet::piece`] then lists a
+    /// segment, [`Sheet::next_segment`] goes to the next.
+    pub fn following(machine: &Machine, text: Option<Box<dyn Read + Send>>) -> Self {
+        let (json, following) = (text.is_none(), text.map(LineReader::new));
+        let (lines, commands, radii) = (Vec::new(), Vec::new(), Radii::new(machine));
+        Sheet { json, at: 0, begun: false, radii, following, lines, commands, shown: 0 }
+    }
+    /// The next piece is the first of another segment.
+    pub fn next_segment(&mut self) {
+        self.at = 0;
     }
     /// The next piece of the listing, whole lines; `None` at its end.
     pub fn piece(&mut self, program: &Program, machine: &Machine, source: &[u8]) -> Option<String> {
@@ -52,7 +68,7 @@ impl Sheet {
             return None;
         }
         let mut out = String::new();
-        if self.at == 0 && !self.json {
+        if !std::mem::replace(&mut self.begun, true) && !self.json {
             head(machine, &mut out);
         }
         let end = (self.at + PIECE).min(program.code.len());
@@ -76,14 +92,21 @@ impl Sheet {
             return;
         }
         let gap = self.shown + 1..line;
-        let silent = self.shown < line && !gap.clone().any(|n| self.commands.get(n as usize).is_none_or(|c| *c));
+        let in_order = self.following.is_some();
+        let silent =
+            self.shown < line && (in_order || !gap.clone().any(|n| self.commands.get(n as usize).is_none_or(|c| *c)));
         let first = if silent { gap.start } else { line };
         for n in first..=line {
-            let Some(mark) = (n as usize).checked_sub(1).and_then(|i| self.lines.get(i)) else { continue };
-            let mut reader = Lines::new(source);
-            reader.go(*mark);
-            let text = reader.next_line().map_or(String::new(), |l| decode(l.1.trim_ascii_end()));
-            let _ = writeln!(out, "{n:>7} | {text}");
+            let text = match &mut self.following {
+                Some(reader) => reader.line(n),
+                None => (n as usize).checked_sub(1).and_then(|i| self.lines.get(i)).and_then(|mark| {
+                    let mut reader = Lines::new(source);
+                    reader.go(*mark);
+                    reader.next_line().map(|line| line.1)
+                }),
+            };
+            let Some(text) = text else { continue };
+            let _ = writeln!(out, "{n:>7} | {}", decode(text.trim_ascii_end()));
         }
         self.shown = line;
     }

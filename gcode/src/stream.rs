@@ -196,8 +196,8 @@ impl End {
     fn translate(&self, input: Box<dyn Read + Send>, filename: &str, machine: &Machine, options: &Options) -> Outcome {
         let shared = self.0.clone();
         let deliver = Deliver { every: SEGMENT, to: Box::new(move |segment| shared.push(segment)) };
-        let mut input = Cancellable { input, shared: &self.0 };
-        let mut outcome = compile_once(&mut input, filename, machine, options, Some(deliver), WINDOW);
+        let input = Cancellable { input, shared: &self.0 };
+        let mut outcome = compile_once(input, filename, machine, options, Some(deliver), WINDOW);
         if let Ok(Some(compiled)) = &mut outcome
             && let Some(last) = compiled.program.take()
         {

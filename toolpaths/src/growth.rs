@@ -62,6 +62,7 @@ impl Path {
             end: padded(start, width),
             commands: 0,
             merged: Merged::default(),
+            gone: 0,
             length: 0.0,
             arc_end_error_mm: 0.0,
             end_seen: EndSeen::default(),
@@ -144,6 +145,7 @@ impl Path {
         self.slopes.drain(..count * self.width);
         self.circles.drain(..circle as usize);
         self.blocks.drain(..block as usize);
+        self.gone += block;
         for segment in &mut self.segments {
             segment.block -= block;
             if segment.circle != LINE {

@@ -36,7 +36,7 @@ pub use feed::{FeedSummary, OverrideSummary};
 pub use limits::{BlockLimit, Tally};
 pub use nearest::{Found, Near, Nearest, Shape};
 pub use passages::{Passage, Passages};
-pub use path::{Block, Merged, Path, Polyline};
+pub use path::{Block, Merged, Numbered, Path, Polyline};
 pub use removal::{HeightMap, Met, Move, Passed, Profile, Watch};
 pub use sequence::{PathError, SequenceView, Space};
 pub use series::{LengthSeries, MinMax, TimeSeries};

@@ -18,6 +18,15 @@ pub struct Block {
     /// Programmed path velocity, mm/s.
     pub vl: f64,
     pub rapid: bool,
+    /// Largest distance of a skipped end point from its chord, mm, on the path up to here and in the next command.
+    pub merged_mm: f64,
+}
+
+/// A block by its number in [`Path::blocks`] and its source line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Numbered {
+    pub block: u32,
+    pub line: u32,
 }
 
 /// What merging short blocks did to the path (design D6).
@@ -61,6 +70,8 @@ pub struct Path {
     pub(crate) end: Vec<f64>,
     pub(crate) commands: usize,
     pub(crate) merged: Merged,
+    /// Blocks that were forgotten.
+    pub(crate) gone: u32,
     pub(crate) length: f64,
     pub(crate) end_seen: EndSeen,
     /// Largest distance between the end of an arc by centre and angle, and its target.
@@ -93,7 +104,7 @@ impl Path {
             self.scales = (0..self.width).map(|a| if a < self.axes { 1.0 } else { 0.0 }).collect();
         }
         if self.blocks.is_empty() {
-            self.blocks.push(Block { line: 0, entry: 0, s0: 0.0, length: 0.0, vl: 0.0, rapid: true });
+            self.blocks.push(Block { line: 0, entry: 0, s0: 0.0, length: 0.0, vl: 0.0, rapid: true, merged_mm: 0.0 });
         }
         self.segments.push(Segment {
             s0: 0.0,
@@ -117,12 +128,19 @@ impl Path {
         let mut here = self.scaled(row, from);
         let end = self.scaled(row, target);
         let first = sequence.via_first[i] as usize;
-        let chord_start = here.clone();
-        for v in first..first + sequence.via_count[i] as usize {
-            let via = self.scaled(row, &padded(&sequence.via_target[v * axes..(v + 1) * axes], width));
-            let off = distance_to_chord(&chord_start, &end, &via);
+        let via =
+            |path: &Path, v: usize| path.scaled(row, &padded(&sequence.via_target[v * axes..(v + 1) * axes], width));
+        let vias = first..first + sequence.via_count[i] as usize;
+        for v in vias.clone() {
+            let off = distance_to_chord(&here, &end, &via(self, v));
             self.merged.blocks += 1;
             self.merged.max_mm = self.merged.max_mm.max(off);
+        }
+        if let Some(before) = self.blocks.last_mut() {
+            before.merged_mm = self.merged.max_mm;
+        }
+        for v in vias {
+            let via = via(self, v);
             self.push_block(of, sequence.via_line[v]);
             self.push_straight(of, &here, &via);
             here = via;
@@ -222,6 +240,7 @@ impl Path {
             length: 0.0,
             vl,
             rapid,
+            merged_mm: self.merged.max_mm,
         });
     }
 
@@ -270,6 +289,16 @@ impl Path {
     /// Programmed blocks in the order of execution.
     pub fn blocks(&self) -> &[Block] {
         if self.blocks.first().is_some_and(|b| b.entry == 0) { &[] } else { &self.blocks }
+    }
+    /// By how much merging may keep the set point off the path there.
+    #[inline]
+    pub(crate) fn merged_near(&self, segment: usize) -> f64 {
+        self.block(self.segments[segment].block).merged_mm
+    }
+    /// Number of the block of a segment from the beginning of the path, and its source line.
+    pub(crate) fn numbered(&self, segment: usize) -> Numbered {
+        let block = self.segments[segment].block;
+        Numbered { block: self.gone + block, line: self.block(block).line }
     }
     pub(crate) fn block(&self, number: u32) -> &Block {
         &self.blocks[number as usize]

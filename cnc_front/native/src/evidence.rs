@@ -1,5 +1,7 @@
 //! What `Tracker.evidence` hands to the diagnosis in Python: the sums of toolpaths::Evidence as plain dicts and arrays.
 
+use std::collections::BTreeMap;
+
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -7,16 +9,29 @@ use toolpaths::{
     AxisFit, AxisShare, BlockFit, Evidence, Exchange, ExchangeKind, HARMONICS, MOTION, Round, TraceEvidence,
 };
 
-/// {"setpoint": trace, "actual": trace, "axes": [...], "circles": [...]}; see toolpaths/diagnosis.py.
+/// {"setpoint": trace, "actual": trace, "axes": [...], "circles": [...], "lines": {block: line}}; see toolpaths/diagnosis.py.
 pub fn dict<'py>(py: Python<'py>, evidence: &Evidence, axes: usize) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("setpoint", trace(py, &evidence.setpoint, axes)?)?;
     dict.set_item("actual", trace(py, &evidence.actual, axes)?)?;
     dict.set_item("axes", list(py, evidence.axes.iter().map(|fit| axis(py, fit)))?)?;
     dict.set_item("circles", list(py, evidence.rounds().map(|round| circle(py, round)))?)?;
+    dict.set_item("lines", lines(evidence))?;
     let edges: Vec<f64> = (0..toolpaths::HISTOGRAM_BINS).map(toolpaths::bin_edge).collect();
     dict.set_item("bin_edges", edges.into_pyarray(py))?;
     Ok(dict)
+}
+
+/// Source lines of all blocks that are named.
+fn lines(evidence: &Evidence) -> BTreeMap<u32, u32> {
+    let mut named = Vec::new();
+    for trace in [&evidence.setpoint, &evidence.actual] {
+        named.extend(trace.blocks().iter().map(|fit| fit.at));
+        named.extend(trace.axes().iter().map(|share| share.at));
+        named.extend(trace.exchanges().iter().map(|found| found.at));
+    }
+    named.extend(evidence.rounds().flat_map(|round| [round.blocks.0, round.blocks.1]));
+    named.iter().map(|at| (at.block, at.line)).collect()
 }
 
 fn list<'py>(
@@ -48,7 +63,7 @@ fn trace<'py>(py: Python<'py>, evidence: &TraceEvidence, axes: usize) -> PyResul
 fn block<'py>(py: Python<'py>, fit: &BlockFit, axes: usize) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     let weight = fit.weight.max(f64::MIN_POSITIVE);
-    dict.set_item("block", fit.block)?;
+    dict.set_item("block", fit.at.block)?;
     dict.set_item("samples", fit.samples)?;
     dict.set_item("summed", fit.summed)?;
     dict.set_item("weight", fit.weight)?;
@@ -78,7 +93,7 @@ fn share_of<'py>(py: Python<'py>, share: &AxisShare) -> PyResult<Bound<'py, PyDi
     for (name, value) in sums {
         dict.set_item(name, value)?;
     }
-    dict.set_item("block", share.block)?;
+    dict.set_item("block", share.at.block)?;
     Ok(dict)
 }
 
@@ -86,7 +101,7 @@ fn exchange<'py>(py: Python<'py>, found: &Exchange) -> PyResult<Bound<'py, PyDic
     let dict = PyDict::new(py);
     dict.set_item("kind", if found.kind == ExchangeKind::Swapped { "swapped" } else { "reversed" })?;
     dict.set_item("axes", found.axes)?;
-    dict.set_item("block", found.block)?;
+    dict.set_item("block", found.at.block)?;
     dict.set_item("samples", found.samples)?;
     dict.set_item("max_mm", found.max_mm)?;
     Ok(dict)
@@ -110,7 +125,7 @@ fn axis<'py>(py: Python<'py>, fit: &AxisFit) -> PyResult<Bound<'py, PyDict>> {
 
 fn circle<'py>(py: Python<'py>, round: &Round) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    dict.set_item("blocks", round.blocks)?;
+    dict.set_item("blocks", (round.blocks.0.block, round.blocks.1.block))?;
     dict.set_item("axes", round.axes)?;
     dict.set_item("center", round.center)?;
     dict.set_item("radius_mm", round.radius)?;

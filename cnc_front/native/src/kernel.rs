@@ -16,6 +16,7 @@ use pyo3::types::PyDict;
 use crate::chunk::Chunk;
 use crate::machine::{Machine, MachineError};
 use crate::program::Program;
+use crate::stream::Stream;
 
 pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("MachineError", module.py().get_type::<MachineError>())?;
@@ -75,12 +76,17 @@ impl Mcu {
     }
 
     /// Loads a program, of either language, into a task (0..3); startcnct starts it. ValueError where a rw_SymPas
-    /// program does not fit the machine.
-    fn load(&mut self, task: usize, program: &Bound<'_, PyAny>) -> PyResult<()> {
+    /// program does not fit the machine. The commands of a `Stream` are executed as they come.
+    fn load(&mut self, py: Python<'_>, task: usize, program: &Bound<'_, PyAny>) -> PyResult<()> {
         let task = known_task(task)?;
         if let Ok(program) = program.cast::<crate::sympas::Program>() {
             let loaded = self.kernel.load_sap(task, program.get().inner.clone());
             return loaded.map_err(|refusal| PyValueError::new_err(refusal.to_string()));
+        }
+        if let Ok(stream) = program.cast::<Stream>() {
+            let segments = stream.get().segments()?;
+            py.detach(|| self.kernel.load_segments(task, segments));
+            return Ok(());
         }
         self.kernel.load(task, program.cast::<Program>()?.get().inner.clone());
         Ok(())

@@ -16,6 +16,7 @@ mod program;
 mod record;
 mod resources;
 mod stimulus;
+mod stream;
 mod sympas;
 mod toml;
 

@@ -14,6 +14,7 @@ use toolpaths::{
 };
 
 use crate::chunk::Chunk;
+use crate::stream::Stream;
 
 pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Path>()?;
@@ -141,6 +142,11 @@ pub struct Tracker {
     stretches: Option<Stretches>,
 }
 
+/// The causes by which nothing is lost, as bits.
+fn at_speed() -> u64 {
+    Cause::AT_SPEED.iter().fold(0, |bits, &cause| bits | 1 << cause as u64)
+}
+
 #[pymethods]
 impl Tracker {
     #[new]
@@ -153,7 +159,7 @@ impl Tracker {
         buckets: usize,
         passages: bool,
     ) -> Tracker {
-        let at_speed = Cause::AT_SPEED.iter().fold(0, |bits, &cause| bits | 1 << cause as u64);
+        let at_speed = at_speed();
         let options = TrackerOptions { sample_time_s, schedule, trovrst_s, buckets, at_speed, passages };
         Tracker {
             inner: toolpaths::Tracker::new(path.inner.clone(), options),
@@ -167,6 +173,22 @@ impl Tracker {
     fn set_stretches(&mut self, rows: Vec<(u64, u64, usize, bool)>) {
         let stretch = |(begin, end, command, settles)| Stretch { begin, end, command, settles };
         self.stretches = Some(Stretches::new(rows.into_iter().map(stretch).collect()));
+    }
+
+    /// A tracker whose path comes from a stream as it is needed: nothing per block, over length or per command.
+    #[staticmethod]
+    #[pyo3(signature = (stream, *, sample_time_s, schedule=Vec::new(), trovrst_s=0.0))]
+    fn growing(stream: &Stream, sample_time_s: f64, schedule: Vec<(f64, f64)>, trovrst_s: f64) -> PyResult<Tracker> {
+        let at_speed = at_speed();
+        let options = TrackerOptions { sample_time_s, schedule, trovrst_s, at_speed, ..TrackerOptions::default() };
+        let inner = stream.tracker(options)?;
+        let axes = inner.path().axes();
+        Ok(Tracker { inner, axes })
+    }
+    /// As Path.mm_per_unit; complete after `finish`.
+    #[getter]
+    fn mm_per_unit(&self) -> Vec<f64> {
+        self.inner.path().mm_per_unit()
     }
 
     /// Collects the largest deviation per piece of a polyline, given by the path length at its vertices.
@@ -246,7 +268,8 @@ impl Tracker {
 
     /// What was measured so far; call it once, after the last chunk.
     fn finish<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let summary = self.inner.finish();
+        let summary = py.detach(|| self.inner.finish());
+        self.check_path()?;
         summary_dict(py, &summary)
     }
 
@@ -304,6 +327,9 @@ impl Tracker {
 type Matrices<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>);
 
 impl Tracker {
+    fn check_path(&self) -> PyResult<()> {
+        self.inner.path_error().map_or(Ok(()), |error| Err(PyValueError::new_err(error.to_string())))
+    }
     fn measure<'py>(
         &mut self,
         py: Python<'py>,
@@ -336,6 +362,7 @@ impl Tracker {
                 None => tracker.feed(&chunk, &mut out),
             }
         });
+        self.check_path()?;
         Ok(actual.into_pyarray(py))
     }
 }

@@ -12,10 +12,15 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::machine::{Machine, Row};
+use crate::stream::Stream;
 
 pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Program>()?;
     module.add_class::<Listing>()?;
+    module.add_class::<Stream>()?;
+    module.add_class::<crate::stream::StreamListing>()?;
+    module.add("MOST_BYTES", crate::stream::MOST_BYTES)?;
+    module.add_function(wrap_pyfunction!(crate::stream::check_once, module)?)?;
     module.add_function(wrap_pyfunction!(catalogue, module)?)?;
     module.add_function(wrap_pyfunction!(compile, module)?)
 }
@@ -30,7 +35,7 @@ fn catalogue() -> Vec<(&'static str, &'static str, &'static str)> {
 #[pyclass(frozen, module = "cnc_front._native.gcode")]
 pub struct Program {
     pub inner: Arc<autocode::Program>,
-    machine: Arc<machine::Machine>,
+    pub machine: Arc<machine::Machine>,
 }
 
 /// Compiles a part program: (Program or None, diagnostics, facts). Diagnostics are rows of
@@ -59,7 +64,7 @@ fn compile<'py>(
     let options = Options {
         profile: profile.map(profile_of).transpose()?,
         optional_stop,
-        block_delete: block_delete.iter().filter(|&&level| level < 10).fold(0, |bits, level| bits | 1 << level),
+        block_delete: levels(&block_delete),
         check_only,
         library: library.map(folder),
         from: start.map(block_at).transpose()?,
@@ -72,15 +77,25 @@ fn compile<'py>(
     let target = machine.inner.clone();
     let compiled = py.detach(|| gcode::compile(source, filename, &target, &options));
     let facts = facts_dict(py, &compiled, &target)?;
-    let row = |d: gcode::Diagnostic| -> Row {
-        (d.file, d.line, d.column, d.end_column, d.id.to_owned(), d.message, d.hint.to_owned())
-    };
-    let rows = compiled.diagnostics.into_iter().map(row).collect();
+    let rows = rows(&compiled);
     let program = compiled.program.map(|inner| Program { inner: Arc::new(inner), machine: target });
     Ok((program, rows, facts))
 }
 
-fn profile_of(name: &str) -> PyResult<Profile> {
+/// Diagnostics as Python sees them.
+pub fn rows(compiled: &Compiled) -> Vec<Row> {
+    let row = |d: &gcode::Diagnostic| -> Row {
+        (d.file.clone(), d.line, d.column, d.end_column, d.id.to_owned(), d.message.clone(), d.hint.to_owned())
+    };
+    compiled.diagnostics.iter().map(row).collect()
+}
+
+/// Levels of block delete as bits.
+pub fn levels(levels: &[u8]) -> u16 {
+    levels.iter().filter(|&&level| level < 10).fold(0, |bits, level| bits | 1 << level)
+}
+
+pub fn profile_of(name: &str) -> PyResult<Profile> {
     match name {
         "din" => Ok(Profile::Din),
         "fanuc" => Ok(Profile::Fanuc),
@@ -106,7 +121,11 @@ fn folder(folder: PathBuf) -> Library {
     })
 }
 
-fn facts_dict<'py>(py: Python<'py>, compiled: &Compiled, machine: &machine::Machine) -> PyResult<Bound<'py, PyDict>> {
+pub fn facts_dict<'py>(
+    py: Python<'py>,
+    compiled: &Compiled,
+    machine: &machine::Machine,
+) -> PyResult<Bound<'py, PyDict>> {
     let facts = &compiled.facts;
     let dict = PyDict::new(py);
     dict.set_item("lines", facts.lines)?;
@@ -181,6 +200,10 @@ impl Program {
         let mut counts: Vec<_> = autocode::MoveKind::ALL.into_iter().map(|k| (k.name(), of(k))).collect();
         counts.push(("ssf", self.inner.ssfs.iter().map(|s| s.axes.len()).sum()));
         counts
+    }
+    /// A host event by its number from 0: (line, kind, text).
+    fn event(&self, number: usize) -> Option<(u32, String, String)> {
+        self.inner.events.get(number).map(|e| (e.line, e.kind.clone(), e.text.clone()))
     }
     /// Host events: (line, kind, text), numbered as the kernel's "host" events.
     fn events(&self) -> Vec<(u32, String, String)> {

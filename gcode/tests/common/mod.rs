@@ -4,7 +4,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use gcode::{Compiled, Deliver, Options, Sequencer, compile, compile_once};
+use gcode::{Compiled, Deliver, Options, Sequencer, Sheet, compile, compile_once};
 use motion_kernel::autocode::{Instr, MoveKind, Program};
 use motion_kernel::machine::Machine;
 
@@ -143,8 +143,7 @@ pub fn once(
     let segments = Rc::new(RefCell::new(Vec::new()));
     let taken = segments.clone();
     let deliver = Deliver { every, to: Box::new(move |segment| taken.borrow_mut().push(segment)) };
-    let compiled =
-        compile_once(&mut &*text, "t.nc", machine, options, Some(deliver), window).expect("it can be read")?;
+    let compiled = compile_once(text, "t.nc", machine, options, Some(deliver), window).expect("it can be read")?;
     let mut segments = segments.take();
     segments.extend(compiled.program.clone());
     Some((segments, compiled))
@@ -165,10 +164,29 @@ pub fn same_once(text: &[u8], machine: &Machine, options: &Options, window: usiz
     assert_eq!((found.facts.blocks, found.facts.lines), (whole.facts.blocks, whole.facts.lines), "{}", shown());
     match whole.program {
         Some(program) => {
-            let (one, all) = (flat(&segments, machine), flat(&[program], machine));
+            let (one, all) = (flat(&segments, machine), flat(&[program.clone()], machine));
+            for json in [false, true] {
+                assert!(listed(text, &segments, machine, json) == listed(text, &[program.clone()], machine, json));
+            }
             assert!(one == all, "{}\n{:?}", shown(), one.iter().zip(&all).find(|(a, b)| a != b));
         }
         None => assert!(found.program.is_none(), "{}", shown()),
     }
     true
+}
+
+/// The listing of a program in segments, or of a whole one.
+fn listed(text: &[u8], segments: &[Program], machine: &Machine, json: bool) -> String {
+    let mut sheet = match segments {
+        [program] => Sheet::new(program, machine, text, json),
+        _ => Sheet::following(machine, (!json).then(|| Box::new(std::io::Cursor::new(text.to_vec())) as _)),
+    };
+    let mut all = String::new();
+    for program in segments {
+        sheet.next_segment();
+        while let Some(piece) = sheet.piece(program, machine, text) {
+            all += &piece;
+        }
+    }
+    all
 }

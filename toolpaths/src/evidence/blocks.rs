@@ -1,7 +1,7 @@
 //! Blocks that lie off the path almost everywhere: sums from which a shift, a centre or a radius follow.
 
 use super::At;
-use crate::path::Path;
+use crate::path::{Numbered, Path};
 use crate::sequence::MAX_AXES;
 
 /// Regressors of the radial deviation on a circle at angle a: cos a, sin a, 1, cos² a.
@@ -20,8 +20,7 @@ const EVERY: u32 = 8;
 /// One block that was off the path. Offsets are position minus foot, mm, in the axes of the path.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockFit {
-    /// Number in [`Path::blocks`].
-    pub block: u32,
+    pub at: Numbered,
     /// Samples on it, off it, and those that were summed.
     pub samples: u32,
     pub off: u32,
@@ -41,7 +40,7 @@ pub struct BlockFit {
 impl Default for BlockFit {
     fn default() -> Self {
         BlockFit {
-            block: u32::MAX,
+            at: Numbered { block: u32::MAX, line: 0 },
             samples: 0,
             off: 0,
             summed: 0,
@@ -91,7 +90,7 @@ pub struct AxisShare {
     pub squares: f64,
     /// Largest offset in this axis and its block.
     pub most: f64,
-    pub block: u32,
+    pub at: Numbered,
 }
 
 impl AxisShare {
@@ -121,10 +120,11 @@ impl Off {
     }
 
     #[inline]
-    pub fn visit(&mut self, block: u32) {
-        if block != self.current.block {
+    pub fn visit(&mut self, path: &Path, segment: usize) {
+        let at = path.numbered(segment);
+        if at.block != self.current.at.block {
             self.flush();
-            self.current.block = block;
+            self.current.at = at;
         }
         self.current.samples += 1;
     }
@@ -144,7 +144,7 @@ impl Off {
     }
 
     fn keep(&mut self) {
-        self.fits.sort_by(|a, b| b.mean_square().total_cmp(&a.mean_square()).then(a.block.cmp(&b.block)));
+        self.fits.sort_by(|a, b| b.mean_square().total_cmp(&a.mean_square()).then(a.at.block.cmp(&b.at.block)));
         self.fits.truncate(KEPT);
     }
 
@@ -192,7 +192,7 @@ impl Off {
             share.ev += e * tangent[a] * at.speed;
             share.squares += at.deviation * at.deviation;
             if e.abs() > share.most {
-                (share.most, share.block) = (e.abs(), segment.block);
+                (share.most, share.at) = (e.abs(), path.numbered(at.place.segment));
             }
         }
         if let Some(c) = shape.circle.filter(|c| c.is_plane()) {

@@ -2,7 +2,7 @@
 
 use super::At;
 use crate::follower::{Follower, Place, Sample};
-use crate::path::Path;
+use crate::path::{Numbered, Path};
 
 /// A trace this far off the path is tried, mm; and how far it must get before anything is said.
 const TRY_MM: f64 = 0.02;
@@ -28,7 +28,7 @@ pub struct Exchange {
     /// The axes; equal for a reversed one.
     pub axes: (usize, usize),
     /// Block in which it began, samples explained, largest deviation among them.
-    pub block: u32,
+    pub at: Numbered,
     pub samples: u32,
     pub max_mm: f64,
 }
@@ -66,7 +66,7 @@ pub struct Watch {
     last_quiet: Place,
     hypotheses: Vec<Hypothesis>,
     begun: bool,
-    block: u32,
+    at: Numbered,
     max_mm: f64,
     exchanged: Vec<f64>,
     pub found: Vec<Exchange>,
@@ -97,8 +97,8 @@ impl Watch {
         self.max_mm = 0.0;
         self.exchanged.resize(at.raw.len(), 0.0);
         let segment = &path.segments[at.place.segment];
-        self.block = segment.block;
-        let left = if path.segments[self.last_quiet.segment].block == self.block {
+        self.at = path.numbered(at.place.segment);
+        let left = if path.numbered(self.last_quiet.segment) == self.at {
             path.position(self.last_quiet.segment, self.last_quiet.t)
         } else {
             path.position(at.place.segment, 0.0)
@@ -143,7 +143,7 @@ impl Watch {
         let most = self.hypotheses.iter().filter(explains).map(|h| h.samples).max().unwrap_or(0);
         if let Some(h) = self.hypotheses.iter().filter(explains).find(|h| h.samples == most) {
             let (samples, max_mm) = (h.samples, h.max_mm);
-            self.found.push(Exchange { kind: h.kind, axes: h.axes, block: self.block, samples, max_mm });
+            self.found.push(Exchange { kind: h.kind, axes: h.axes, at: self.at, samples, max_mm });
         }
         self.hypotheses.clear();
         self.begun = false;

@@ -41,19 +41,21 @@ pub struct At<'a, const N: usize> {
 #[derive(Clone, Debug)]
 pub struct TraceEvidence {
     quiet_mm: f64,
+    /// Runs on the chords of merged blocks, and so beside the path as programmed.
+    on_chords: bool,
     off: Off,
     watch: Watch,
 }
 
 impl TraceEvidence {
-    fn new(path: &Path, quiet_mm: f64) -> TraceEvidence {
-        TraceEvidence { quiet_mm, off: Off::new(path.axes()), watch: Watch::default() }
+    fn new(path: &Path, quiet_mm: f64, on_chords: bool) -> TraceEvidence {
+        TraceEvidence { quiet_mm, on_chords, off: Off::new(path.axes()), watch: Watch::default() }
     }
 
     #[inline]
     pub fn add<const N: usize>(&mut self, path: &Path, at: &At<N>) {
-        self.off.visit(path.segments[at.place.segment].block);
-        if at.deviation <= self.quiet_mm {
+        self.off.visit(path, at.place.segment);
+        if at.deviation <= self.quiet_mm.max(if self.on_chords { path.merged_near(at.place.segment) } else { 0.0 }) {
             self.off.weigh(path, at);
             self.watch.quiet(at);
         } else {
@@ -94,8 +96,8 @@ impl Evidence {
     pub fn new(path: &Path, sample_time_s: f64) -> Evidence {
         let fit = |&start: &f64| AxisFit::new(start, sample_time_s);
         Evidence {
-            setpoint: TraceEvidence::new(path, QUIET_SETPOINT_MM.max(path.merged().max_mm)),
-            actual: TraceEvidence::new(path, QUIET_ACTUAL_MM),
+            setpoint: TraceEvidence::new(path, QUIET_SETPOINT_MM, true),
+            actual: TraceEvidence::new(path, QUIET_ACTUAL_MM, false),
             axes: path.start().iter().map(fit).collect(),
             rounds: Rounds::new(path),
         }

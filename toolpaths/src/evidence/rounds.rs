@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::follower::Place;
-use crate::path::Path;
+use crate::path::{Numbered, Path};
 use crate::segment::Circle;
 
 /// Classes of the angle on a circle.
@@ -32,7 +32,7 @@ const EMPTY: RoundBin =
 #[derive(Clone, Debug)]
 pub struct Round {
     /// Blocks, first and last.
-    pub blocks: (u32, u32),
+    pub blocks: (Numbered, Numbered),
     pub axes: (usize, usize),
     /// In the metric of the path, mm.
     pub center: [f64; 2],
@@ -125,9 +125,9 @@ fn same(circle: &Circle, path: &Path, segment: usize) -> bool {
 }
 
 fn round(path: &Path, c: &Circle, first: usize, last: usize) -> Round {
-    let (begin, end) = (&path.segments[first], &path.segments[last]);
+    let begin = &path.segments[first];
     Round {
-        blocks: (begin.block, end.block),
+        blocks: (path.numbered(first), path.numbered(last)),
         axes: (c.c1, c.c2),
         center: c.center,
         radius: c.radius,
