@@ -8,6 +8,7 @@ import os
 import sys
 from collections import Counter
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,7 @@ from cnc_front.jobs import (
     MachineFile,
     compile_job,
     diagnose,
+    language_at,
     load_machine,
     load_stimulus,
     read_job,
@@ -32,6 +34,9 @@ from cnc_front.messages import language_from, text
 if TYPE_CHECKING:
     from cnc_front.geometry.arguments import ReferenceOptions
     from cnc_front.geometry.checks import Checks
+    from cnc_front.run import RunOptions, RunResult
+    from cnc_front.streaming import FileSource, StreamedJob
+    from cnc_front.verdict import Verdict
 
 
 def _compile_options(options: argparse.Namespace) -> CompileOptions:
@@ -76,13 +81,6 @@ def _print_start(job: CompiledJob, options: argparse.Namespace) -> None:
         print(start_text(job.facts["start"], units, language_from(options.lang)), file=sys.stderr)
 
 
-def _load(path: str, options: argparse.Namespace) -> CompiledJob:
-    machine = load_machine(options.machine, path)
-    job = compile_job(read_job(path, options.language), machine, _compile_options(options))
-    _print_warnings(job.warnings, options)
-    return job
-
-
 def run(options: argparse.Namespace) -> int:
     """`cnc-front run`."""
     from cnc_front.interrupt import interruptible
@@ -119,24 +117,17 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     report = outputs.check_report(options.report, inputs) if options.report else None
     loaded = _Loaded()
     try:
-        job = loaded.load(options)
-        run_options = replace(run_options, stimulus=load_stimulus(options.stimulus, options.job, job.machine))
-        checks = _checks(job, options, about_reference)
-        run_options = replace(run_options, scan=_scan(job, options))
+        result, verdict, run_object = _executed(loaded, options, run_options, about_reference, record, report)
     except CompileError as error:
         from cnc_front.verdict import failed_object
 
+        progress.end()
         _print_diagnostics(error.diagnostics, options)
         failed = failed_object(options.job, loaded.source, options.machine, loaded.machine, error.diagnostics)
         keep_run(failed, options, Exit.BAD_INPUT)
         if options.json:
             print(json.dumps(failed, allow_nan=False))
         return Exit.BAD_INPUT
-    _print_warnings(job.warnings, options)
-    _print_start(job, options)
-    from cnc_front.deliver import run_and_write
-
-    result, verdict, run_object = run_and_write(job, run_options, options.tolerance, record, report, language, checks)
     progress.end()
     keep_run(run_object, options, verdict.exit)  # before printing: who reads stdout may stop reading
     if options.json:
@@ -147,6 +138,46 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
         colors = sys.stdout.isatty() and not (options.no_color or os.environ.get("NO_COLOR"))
         print(result_text(result, verdict, run_object, language, colors=colors))
     return verdict.exit
+
+
+def _executed(
+    loaded: _Loaded,
+    options: argparse.Namespace,
+    run_options: RunOptions,
+    about_reference: ReferenceOptions,
+    record: Path | None,
+    report: Path | None,
+) -> tuple[RunResult, Verdict, dict[str, Any]]:
+    """The run with its verdict and object: streamed, where it can be."""
+    from cnc_front.deliver import run_and_write, run_streamed
+    from cnc_front.streaming import MustBeWhole, streams
+
+    def chosen(machine: MachineFile) -> RunOptions:
+        return replace(run_options, stimulus=load_stimulus(options.stimulus, options.job, machine))
+
+    kept = (
+        record,
+        report,
+        options.time_optimal,
+        run_options.sweep,
+        options.scan,
+        options.reference,
+        _setup_path(options),
+    )
+    if not any(kept) and streams(options.job, _compile_options(options)):
+        with suppress(MustBeWhole):
+            streamed = loaded.stream(options)
+            done = run_streamed(streamed, chosen(streamed.machine), options.tolerance)
+            _print_warnings(streamed.warnings, options)
+            return done
+    job = loaded.load(options)
+    wanted = chosen(job.machine)
+    checks = _checks(job, options, about_reference)
+    wanted = replace(wanted, scan=_scan(job, options))
+    _print_warnings(job.warnings, options)
+    _print_start(job, options)
+    language = language_from(options.lang)
+    return run_and_write(job, wanted, options.tolerance, record, report, language, checks)
 
 
 def _check_extras(options: argparse.Namespace) -> None:
@@ -165,10 +196,7 @@ def _check_extras(options: argparse.Namespace) -> None:
 
 def _checks(job: CompiledJob, options: argparse.Namespace, reference: ReferenceOptions) -> Checks | None:
     """The checks against drawing and setup; nothing is loaded for a run without any."""
-    path = options.setup
-    if path is None:
-        beside = Path(job.source.path).with_suffix(".setup.toml")
-        path = str(beside) if beside.is_file() else None
+    path = _setup_path(options)
     if path is None and options.reference is None:
         return None
     from cnc_front.geometry.checks import checks_of_job
@@ -185,24 +213,37 @@ def _scan(job: CompiledJob, options: argparse.Namespace) -> tuple[str, ...]:
     return parse_scan(options.scan, job.machine.machine, recorded=options.record is not None)
 
 
+def _setup_path(options: argparse.Namespace) -> str | None:
+    """The setup that was given, else the one beside the job."""
+    if options.setup is not None:
+        return str(options.setup)
+    beside = Path(options.job).with_suffix(".setup.toml")
+    return str(beside) if beside.is_file() else None
+
+
 def _is_autocode(path: str, language: str | None) -> bool:
     """True for rw_SymPas jobs and autocode files; a file that cannot be read is reported where it is compiled."""
-    try:
-        return read_job(path, language).language != "din66025"
-    except CompileError:
-        return False
+    return language_at(path, language) not in (None, "din66025")
 
 
 class _Loaded:
     """What is known of a run even if it does not compile."""
 
-    source: JobSource | None = None
+    source: JobSource | FileSource | None = None
     machine: MachineFile | None = None
 
-    def load(self, options: argparse.Namespace) -> CompiledJob:
-        self.source = read_job(options.job, options.language)
+    def stream(self, options: argparse.Namespace) -> StreamedJob:
+        from cnc_front.streaming import begin
+
         self.machine = load_machine(options.machine, options.job)
-        return compile_job(self.source, self.machine, _compile_options(options))
+        job = begin(options.job, self.machine, _compile_options(options))
+        self.source = job.source
+        return job
+
+    def load(self, options: argparse.Namespace) -> CompiledJob:
+        source = self.source = read_job(options.job, options.language)
+        self.machine = load_machine(options.machine, options.job)
+        return compile_job(source, self.machine, _compile_options(options))
 
 
 def check(options: argparse.Namespace) -> int:
@@ -211,9 +252,7 @@ def check(options: argparse.Namespace) -> int:
     worst = Exit.DONE
     for path in options.jobs:
         try:
-            machine = load_machine(options.machine, path)
-            source = read_job(path, options.language)
-            _, diagnostics, _ = diagnose(source, machine, _compile_options(options), check_only=True)
+            diagnostics = _findings(path, options)
         except CompileError as error:
             diagnostics = error.diagnostics
         _print_diagnostics(diagnostics, options)
@@ -224,6 +263,17 @@ def check(options: argparse.Namespace) -> int:
     return worst
 
 
+def _findings(path: str, options: argparse.Namespace) -> tuple[Diagnostic, ...]:
+    """All diagnostics of a job; raises CompileError for what cannot be read."""
+    from cnc_front import streaming
+
+    machine, chosen = load_machine(options.machine, path), _compile_options(options)
+    if streaming.streams(path, chosen):
+        with suppress(streaming.MustBeWhole):
+            return streaming.check(path, machine, chosen)
+    return diagnose(read_job(path, options.language), machine, chosen, check_only=True)[1]
+
+
 def translate(options: argparse.Namespace) -> int:
     """`cnc-front translate`."""
     if _is_autocode(options.job, options.language):
@@ -232,7 +282,17 @@ def translate(options: argparse.Namespace) -> int:
         return translate_autocode(options)
     if options.autocode or options.output:
         raise UsageError("--autocode and --output are for rw_SymPas jobs and autocode files")
-    job = _load(options.job, options)
+    from cnc_front import streaming
+
+    machine, chosen = load_machine(options.machine, options.job), _compile_options(options)
+    if streaming.streams(options.job, chosen):
+        with suppress(streaming.MustBeWhole):
+            # nothing is printed before the whole text is known to be sound
+            _print_warnings(streaming.sound(options.job, machine, chosen), options)
+            sys.stdout.writelines(streaming.listing(options.job, machine, chosen, json=options.json))
+            return Exit.DONE
+    job = compile_job(read_job(options.job, options.language), machine, chosen)
+    _print_warnings(job.warnings, options)
     _print_start(job, options)
     sys.stdout.writelines(job.program.listing(job.source.data, options.json))
     return Exit.DONE

@@ -15,6 +15,7 @@ from cnc_front.evidence import evidence_keys, motor_commands
 from cnc_front.jobs import CompiledJob, JobSource, shown
 from cnc_front.recording import RESULT, Recorded, RecordingSink, content_of, open_recording
 from cnc_front.run import RunOptions, RunResult, Sink, dry_run
+from cnc_front.streaming import StreamedJob
 from cnc_front.verdict import (
     EMPTY,
     SCHEMA,
@@ -74,7 +75,7 @@ def run_and_write(
 
         run["override_sweep"] = override_sweep(job, options, options.sweep, tolerance)
     optimal = None
-    if options.time_optimal:
+    if options.time_optimal and result.path is not None:
         optimal = _optimal(job.program.sequence(), result.path, result.tracker, job.machine.machine, run["samples"])
         run["time_optimal_s"] = optimal.seconds
     if sink is not None:
@@ -87,6 +88,14 @@ def run_and_write(
         made.time_optimal, made.checks = optimal, checks
         write_report(made, report, language)
     return result, verdict, run
+
+
+def run_streamed(
+    job: StreamedJob, options: RunOptions, tolerance_mm: float | None
+) -> tuple[RunResult, Verdict, dict[str, Any]]:
+    """As run_and_write for a job that is translated while it runs, of which nothing is kept; raises as dry_run."""
+    result = dry_run(job, options)
+    return result, *judged(result, tolerance_mm, {"recording": None, "report": None})
 
 
 def _samples_file(job: CompiledJob, report: Path) -> SamplesFile:
@@ -103,7 +112,7 @@ def judged(
     machine = result.job.machine.machine
     tolerance = tolerance_mm if tolerance_mm is not None else machine.tolerance_mm
     found, more = _checked(checks, tolerance)
-    named = evidence_keys(result.path, result.tracker, result.summary, machine, tolerance)
+    named = evidence_keys(result.tracker, result.summary, machine, tolerance)
     verdict = with_findings(judge(result, tolerance, more), named["findings"])
     motors = motor_commands(result.execution.mcu, machine.axis_names)
     run = run_object(result, verdict, files) | named | found | {"motor_command": motors}
@@ -163,7 +172,7 @@ def _measured_again(recorded: Recorded, setup: Setup | None, reference: Referenc
     samples = _measure(recorded, tracker, plotting, checks)
     summary = tracker.finish()
     run = run_of(recorded, source, machine, summary, samples) | _checked(checks, 0.0)[0]
-    run |= evidence_keys(path, tracker, summary, machine, plotting.tolerance_mm)
+    run |= evidence_keys(tracker, summary, machine, plotting.tolerance_mm)
     report = plotting.report_input(run, summary, source, machine, sorted(recorded.events, key=_order))
     report.checks = checks
     if wanted:

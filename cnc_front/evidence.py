@@ -24,7 +24,6 @@ FULL_SCALE = 32767.0
 
 
 def evidence_keys(
-    path: native_paths.Path,
     tracker: native_paths.Tracker,
     summary: dict[str, Any],
     machine: native_kernel.Machine,
@@ -36,7 +35,7 @@ def evidence_keys(
     setting = Setting(
         sample_time_s=machine.sample_time_us * 1e-6,
         tolerance_mm=tolerance_mm,
-        mm_per_unit=path.mm_per_unit,
+        mm_per_unit=tracker.mm_per_unit,
         rotary=[kind == "rotary" for kind in machine.kinds],
         merged_mm=summary["merged"][1],
     )

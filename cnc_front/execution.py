@@ -17,6 +17,7 @@ from cnc_front.errors import CompileError
 from cnc_front.jobs import CompiledJob, shown
 from cnc_front.readiness import not_ready
 from cnc_front.schedule import Schedule
+from cnc_front.streaming import StreamedJob
 
 
 class End(StrEnum):
@@ -85,7 +86,7 @@ WAITS_FOR_STEP = 2
 class Execution:
     """A running job. `advance` is the only way time passes."""
 
-    job: CompiledJob
+    job: CompiledJob | StreamedJob
     schedule: Schedule = ((0.0, 1.0),)
     max_machine_s: float = math.inf
     #: what the world outside does, beside the rules of the machine file
@@ -100,6 +101,8 @@ class Execution:
     sample_time_s: float = field(init=False)
     alarms: list[AlarmEvent] = field(init=False, default_factory=list)
     host_events: list[HostEvent] = field(init=False, default_factory=list)
+    #: host events that were forgotten: those before the first of `host_events`
+    forgotten: int = field(init=False, default=0)
     log: list[LogEntry] = field(init=False, default_factory=list)
     output: str = field(init=False, default="")
     end: End | None = field(init=False, default=None)
@@ -113,7 +116,6 @@ class Execution:
     held: bool = field(init=False, default=False)
     stepped: bool = field(init=False, default=False)
     _axes: list[str] = field(init=False)
-    _events: list[tuple[int, str, str]] = field(init=False)
     _pending: deque[tuple[int, float]] = field(init=False)
     _new: list[LogEntry | HostEvent] = field(init=False, default_factory=list)
 
@@ -121,7 +123,6 @@ class Execution:
         machine = self.job.machine.machine
         self.sample_time_s = machine.sample_time_us * 1e-6
         self._axes = list(machine.axis_names)
-        self._events = self.job.program.events()
         self.mcu = self.on or native_kernel.Mcu(machine)
         if self.on is None:
             self.mcu.prepare_gcode()
@@ -219,6 +220,12 @@ class Execution:
         self.waits = 0
         self.mcu.acknowledge()
 
+    def forget(self) -> None:
+        """What was logged and told so far is not needed again: a long run in little memory."""
+        self.log.clear()
+        self.forgotten += len(self.host_events)
+        self.host_events.clear()
+
     def happened(self) -> Happened:
         """Log entries and host events since the last call."""
         new, self._new = tuple(self._new), []
@@ -241,8 +248,9 @@ class Execution:
         self.output += self.mcu.take_output(0)
 
     def _host_event(self, t_s: float, number: int) -> None:
-        if 0 <= number < len(self._events):
-            line, kind, text = self._events[number]
+        told = self.job.program.event(number) if number >= 0 else None
+        if told is not None:
+            line, kind, text = told
             event = HostEvent(t_s, line, kind, text)
             self.host_events.append(event)
             self._new.append(event)

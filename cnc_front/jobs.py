@@ -110,8 +110,9 @@ class CompileOptions:
     mdi: bool = False
 
 
-def read_bytes(path: str, limit: int, id: str) -> bytes:
-    """A regular file of at most `limit` bytes; anything else is a CompileError with one diagnostic."""
+def read_bytes(path: str, limit: int, id: str, head: int | None = None) -> bytes:
+    """A regular file of at most `limit` bytes; anything else is a CompileError with one diagnostic. With `head` only
+    so many bytes of it are read."""
     try:
         # without O_NONBLOCK a named pipe would wait for a writer for ever
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
@@ -121,6 +122,8 @@ def read_bytes(path: str, limit: int, id: str) -> bytes:
         os.close(handle)
         raise _cannot_read(path, id, "not a regular file")
     with os.fdopen(handle, "rb") as file:
+        if head is not None:
+            return file.read(head)
         before = os.fstat(handle)
         data = file.read(limit + 1)
         after = os.fstat(handle)
@@ -145,6 +148,15 @@ def language_of(path: str, data: bytes, asked: str | None) -> str:
     if data.startswith(native_sympas.MAGIC):
         return "autocode"
     return "sympas" if path.lower().endswith(".src") else "din66025"
+
+
+def language_at(path: str, asked: str | None) -> str | None:
+    """The language of a job by its name and its first bytes; None for what cannot be read."""
+    try:
+        data = read_bytes(path, JOB_BYTES, "GC112", head=len(native_sympas.MAGIC))
+    except CompileError:
+        return None
+    return language_of(path, data, asked)
 
 
 def read_job(path: str, language: str | None = None) -> JobSource:

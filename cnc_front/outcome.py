@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cnc_front.deliver import Plotting, events_of, judged
+from cnc_front.jobs import CompiledJob
 from cnc_front.report.data import FINDINGS, ReportInput, source_line
 from cnc_front.run import RunResult
 
@@ -42,6 +43,7 @@ class Outcome:
 def outcome_of(result: RunResult, plotting: Plotting, number: int, tolerance_mm: float | None = None) -> Outcome:
     """Judges a run that is over; nothing is measured again. Call it once for a run."""
     verdict, run = judged(result, tolerance_mm, {"recording": None, "report": None})
+    assert isinstance(result.job, CompiledJob)  # the terminal compiles whole programs
     machine, source = result.job.machine.machine, result.job.source
     report = plotting.report_input(run, result.summary, source, machine, events_of(result))
     return Outcome(number, source.path, int(verdict.exit), run, worst_blocks(report), report)

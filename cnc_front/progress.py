@@ -31,13 +31,13 @@ class Progress:
     def __call__(self, execution: Execution) -> None:
         if self._quiet:
             return
-        for event in execution.host_events[self._seen :]:
+        for event in execution.host_events[self._seen - execution.forgotten :]:
             if event.kind in SHOWN and self._printed < MOST_LINES:
                 self._erase()
                 values = {"t_s": event.t_s, "line": event.line, "kind": event.kind, "text": event.text}
                 print(text("log_event", self._language, **values).rstrip(), file=sys.stderr)
                 self._printed += 1
-        self._seen = len(execution.host_events)
+        self._seen = execution.forgotten + len(execution.host_events)
         self.at(execution.machine_time_s)
 
     def at(self, seconds: float) -> None:

@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import toolpaths as native_paths
+from cnc_front.errors import CompileError
 from cnc_front.execution import End, Execution, Happened
 from cnc_front.jobs import CompiledJob, StimulusFile
 from cnc_front.schedule import Schedule
+from cnc_front.streaming import EXECUTES, StreamedJob
 
 #: Samples per chunk: large enough that Python costs nothing, small enough to answer Ctrl+C within a blink.
 CHUNK = 1 << 16
@@ -64,11 +66,12 @@ class RunOptions:
 class RunResult:
     """What a run measured. `summary` is that of toolpaths.Tracker.finish."""
 
-    job: CompiledJob
+    job: CompiledJob | StreamedJob
     options: RunOptions
     execution: Execution
     summary: dict[str, Any]
-    path: native_paths.Path
+    #: None for a streamed job: its path is behind
+    path: native_paths.Path | None
     tracker: native_paths.Tracker
     wall_time_s: float
 
@@ -81,22 +84,31 @@ class RunResult:
 
 
 def dry_run(
-    job: CompiledJob, options: RunOptions, sink: Sink | None = None, watcher: Watcher | None = None
+    job: CompiledJob | StreamedJob, options: RunOptions, sink: Sink | None = None, watcher: Watcher | None = None
 ) -> RunResult:
-    """Runs a compiled job to its end, or until something stops it, and measures it against its path."""
+    """Runs a job to its end, or until something stops it, and measures it against its path.
+
+    A streamed job is settled here: raises CompileError and MustBeWhole, then the run was for nothing (design D24).
+    """
+    if isinstance(job, CompiledJob):
+        return _dry_run(job, options, sink, watcher)
+    try:
+        return _dry_run(job, options, sink, watcher)
+    except (CompileError, ValueError):
+        if not job.settled:
+            job.settle()  # an error in the text comes first
+        raise
+
+
+def _dry_run(
+    job: CompiledJob | StreamedJob, options: RunOptions, sink: Sink | None, watcher: Watcher | None
+) -> RunResult:
     begun = time.monotonic()
-    path = native_paths.Path(job.program.sequence())
     stimulus = options.stimulus.stimulus if options.stimulus else None
+    path = native_paths.Path(job.program.sequence()) if isinstance(job, CompiledJob) else None
     execution = Execution(job, options.schedule, options.max_time_s, stimulus=stimulus, scan=options.scan)
-    machine = job.machine.machine
-    tracker = native_paths.Tracker(
-        path,
-        sample_time_s=execution.sample_time_s,
-        schedule=list(options.schedule),
-        trovrst_s=machine.trovrst_s,
-        passages=options.time_optimal,
-    )
-    if watcher is not None:
+    tracker = _tracker(job, path, options)
+    if watcher is not None and path is not None:
         watcher.begin(path, tracker)
 
     def measure(chunk: native_kernel.Chunk, happened: Happened) -> None:
@@ -115,11 +127,37 @@ def dry_run(
                 measured.result()
             measured = worker.submit(measure, chunk, happened) if len(chunk) or happened else None
             options.progress(execution)
+            if isinstance(job, StreamedJob):
+                execution.forget()
             if execution.end is None and options.interrupted():
                 execution.end = End.INTERRUPTED
             if execution.end is None and time.monotonic() - begun > options.max_time_s:
                 execution.end = End.TIME_LIMIT
         if measured is not None:
             measured.result()
+    if isinstance(job, StreamedJob):
+        job.program.send_away(EXECUTES)
+    summary = tracker.finish()
     wall = time.monotonic() - begun
-    return RunResult(job, options, execution, tracker.finish(), path, tracker, wall)
+    if isinstance(job, StreamedJob):
+        job.settle()
+    return RunResult(job, options, execution, summary, path, tracker, wall)
+
+
+def _tracker(
+    job: CompiledJob | StreamedJob, path: native_paths.Path | None, options: RunOptions
+) -> native_paths.Tracker:
+    machine = job.machine.machine
+    sample_time_s, schedule = machine.sample_time_us * 1e-6, list(options.schedule)
+    if isinstance(job, StreamedJob):
+        return native_paths.Tracker.growing(
+            job.program, sample_time_s=sample_time_s, schedule=schedule, trovrst_s=machine.trovrst_s
+        )
+    assert path is not None
+    return native_paths.Tracker(
+        path,
+        sample_time_s=sample_time_s,
+        schedule=schedule,
+        trovrst_s=machine.trovrst_s,
+        passages=options.time_optimal,
+    )

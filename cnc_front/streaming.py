@@ -1,13 +1,12 @@
 """Large part programs, translated while they are read: memory does not grow with them.
 
-A program that jumps, loops or calls has to look back: it is compiled whole, as are small ones, parts (`--from`, `--to`),
+A program that jumps, loops or calls has to look back: it is compiled whole, as are small ones, parts (--from, --to),
 and what a recording or a report needs. Findings, motion and result are the same either way.
 """
 
 from __future__ import annotations
 
 import hashlib
-import os
 import stat
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -37,7 +36,7 @@ def streams(path: str, options: CompileOptions) -> bool:
     if options.start or options.stop or options.strict or options.mdi or options.dry_feed is not None:
         return False
     try:
-        status = os.stat(path)
+        status = Path(path).stat()
     except OSError:
         return False
     size = status.st_size
@@ -46,7 +45,7 @@ def streams(path: str, options: CompileOptions) -> bool:
 
 
 def _stamp(path: str) -> tuple[int, int]:
-    status = os.stat(path)
+    status = Path(path).stat()
     return status.st_size, status.st_mtime_ns
 
 
@@ -63,9 +62,9 @@ class FileSource:
 
     def count(self) -> None:
         """Begins to count, in a thread."""
-        with_thread = ThreadPoolExecutor(1, "hash")
-        self._read = with_thread.submit(_hash_and_lines, self.path)
-        with_thread.shutdown(wait=False)
+        pool = ThreadPoolExecutor(1, "hash")
+        self._read = pool.submit(_hash_and_lines, self.path)
+        pool.shutdown(wait=False)
 
     def check_unchanged(self) -> None:
         """Raises CompileError (GC114) if the file is not what it was."""
@@ -112,14 +111,16 @@ class StreamedJob:
     source: FileSource
     machine: MachineFile
     program: native_gcode.Stream
-    warnings: tuple[Diagnostic, ...] = field(default=())
+    warnings: tuple[Diagnostic, ...] = ()
     facts: dict[str, Any] = field(default_factory=lambda: {"start": None})
+    settled: bool = False
 
     def settle(self) -> None:
         """The run needs no more commands: waits for the end of the translation.
 
         Raises CompileError for errors in the text and for a file that changed meanwhile, MustBeWhole, OSError.
         """
+        self.settled = True
         for user in (EXECUTES, MEASURES):
             self.program.send_away(user)
         found = self.program.finish()
@@ -164,6 +165,14 @@ def check(path: str, machine: MachineFile, options: CompileOptions) -> tuple[Dia
     if found is None:
         raise MustBeWhole
     return tuple(Diagnostic(*row) for row in found[0])
+
+
+def sound(path: str, machine: MachineFile, options: CompileOptions) -> tuple[Diagnostic, ...]:
+    """The warnings of a program without errors; raises as `check`, and CompileError."""
+    diagnostics = check(path, machine, options)
+    if any(not d.is_warning for d in diagnostics):
+        raise CompileError(diagnostics)
+    return diagnostics
 
 
 def listing(path: str, machine: MachineFile, options: CompileOptions, *, json: bool) -> native_gcode.StreamListing:

@@ -69,7 +69,7 @@ def override_sweep(
     def one(factor: float) -> dict[str, Any]:
         result = dry_run(job, replace(quiet, schedule=((0.0, factor),)))
         machine, summary = job.machine.machine, result.summary
-        axes = evidence_keys(result.path, result.tracker, summary, machine, tolerance_mm)["axes"].values()
+        axes = evidence_keys(result.tracker, summary, machine, tolerance_mm)["axes"].values()
         loads = [100 * a["acceleration_max"] / a["acceleration_limit"] for a in axes if a["acceleration_limit"] > 0]
         return {
             "factor": factor,

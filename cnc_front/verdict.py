@@ -12,6 +12,7 @@ from cnc_front.execution import End
 from cnc_front.jobs import JobSource, MachineFile, shown
 from cnc_front.readiness import reported
 from cnc_front.run import RunResult
+from cnc_front.streaming import FileSource
 from motion_kernel.causes import limit_of
 
 #: How far the set point may leave the path beyond what merging allows, mm (design 3.1).
@@ -107,7 +108,7 @@ EMPTY: dict[str, Any] = dict.fromkeys(KEYS)
 SCHEMA = "cnc-front/run/1"
 
 
-def job_object(source: JobSource | None, path: str) -> dict[str, Any]:
+def job_object(source: JobSource | FileSource | None, path: str) -> dict[str, Any]:
     """`job` of design 3.2; what is unknown is null."""
     path = shown(path)
     if source is None:
@@ -124,7 +125,7 @@ def machine_object(machine: MachineFile | None, path: str | None) -> dict[str, A
 
 def failed_object(
     path: str,
-    source: JobSource | None,
+    source: JobSource | FileSource | None,
     machine_path: str | None,
     machine: MachineFile | None,
     diagnostics: tuple[Diagnostic, ...],

@@ -5,7 +5,11 @@ from numpy.typing import NDArray
 
 from cnc_front._native.motion_kernel import Machine
 
-__all__ = ["Listing", "Program", "catalogue", "compile"]
+__all__ = ["MOST_BYTES", "Listing", "Program", "Stream", "StreamListing", "catalogue", "check_once", "compile"]
+
+MOST_BYTES: int
+
+_Found = tuple[list[tuple[str, int, int, int, str, str, str]], dict[str, Any]] | None
 
 @final
 class Listing:
@@ -15,10 +19,46 @@ class Listing:
 @final
 class Program:
     def counts(self) -> list[tuple[str, int]]: ...
+    def event(self, number: int) -> tuple[int, str, str] | None: ...
     def events(self) -> list[tuple[int, str, str]]: ...
     def listing(self, source: bytes, json: bool) -> Listing: ...
     def sequence(self) -> dict[str, NDArray[Any]]: ...
 
+@final
+class Stream:
+    def __new__(
+        cls,
+        path: str,
+        filename: str,
+        machine: Machine,
+        *,
+        users: int = 2,
+        profile: str | None = None,
+        optional_stop: bool = False,
+        block_delete: Sequence[int] = ...,
+    ) -> Stream: ...
+    def __iter__(self) -> Stream: ...
+    def __next__(self) -> Program: ...
+    def counts(self) -> list[tuple[str, int]]: ...
+    def event(self, number: int) -> tuple[int, str, str] | None: ...
+    def finish(self) -> _Found: ...
+    def listing(self, path: str, json: bool) -> StreamListing: ...
+    def send_away(self, user: int) -> None: ...
+
+@final
+class StreamListing:
+    def __iter__(self) -> StreamListing: ...
+    def __next__(self) -> str: ...
+
+def check_once(
+    path: str,
+    filename: str,
+    machine: Machine,
+    *,
+    profile: str | None = None,
+    optional_stop: bool = False,
+    block_delete: Sequence[int] = ...,
+) -> _Found: ...
 def catalogue() -> list[tuple[str, str, str]]: ...
 def compile(
     source: bytes,

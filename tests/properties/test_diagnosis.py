@@ -53,7 +53,7 @@ class Run:
         tracker = toolpaths.Tracker(path, sample_time_s=TA, schedule=list(self.schedule), trovrst_s=machine.trovrst_s)
         tracker.feed_columns(0, *(columns[name] for name in COLUMNS))
         summary = tracker.finish()
-        keys = evidence_keys(path, tracker, summary, machine, machine.tolerance_mm)
+        keys = evidence_keys(tracker, summary, machine, machine.tolerance_mm)
         return keys | {"max_mm": summary["actual"]["max_mm"]}
 
     def of_command(self, number: int) -> NDArray[np.bool_]:

@@ -5,6 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::follower::Follower;
 use crate::path::{JOINS, Merged, Path, WIDTHS, padded};
 use crate::segment::LINE;
 use crate::sequence::{PathError, SequenceView};
@@ -200,10 +201,12 @@ impl Tracker {
     pub fn path_error(&self) -> Option<&PathError> {
         self.growth.as_ref().and_then(|growth| growth.error.as_ref())
     }
-    /// The foot came to the end of what is known of the path, and there may be more.
+    /// A foot came to the end of what is known of the path, or its evidence would, and there may be more.
     #[inline]
-    pub(crate) fn is_short(&self, path: &Path) -> bool {
-        path.end_seen.take() && self.growth.as_ref().is_some_and(|growth| !growth.ended)
+    pub(crate) fn is_short(&self, path: &Path, at: &Follower, actual: bool) -> bool {
+        let Some(growth) = &self.growth else { return false };
+        let short = path.end_seen.take();
+        !growth.ended && (short || self.evidence.is_short(path, at, actual))
     }
     /// Appends what follows, and forgets what lies behind both feet, as soon as it is the greater part.
     #[cold]
@@ -211,14 +214,16 @@ impl Tracker {
         drop(path);
         let own = Arc::make_mut(&mut self.path);
         let feet = [&mut self.setpoint.follower.foot, &mut self.actual.follower.foot];
-        let behind = feet[0].segment.min(feet[1].segment);
+        let behind = feet[0].segment.min(feet[1].segment).min(self.evidence.first_segment());
         if behind > own.segments.len() / 2 && own.forget(behind) {
+            self.evidence.forget(behind);
             for foot in feet {
                 foot.segment -= behind;
             }
         }
         if let Some(growth) = self.growth.as_mut().filter(|growth| !growth.ended) {
             growth.ask(own);
+            self.evidence.grown(own, growth.ended);
         }
         Arc::clone(&self.path)
     }

@@ -136,7 +136,7 @@ pub struct Tracker {
     watched: Watched,
     limits: Limits,
     passages: Passages,
-    evidence: Evidence,
+    pub(crate) evidence: Evidence,
 }
 
 #[derive(Clone, Debug)]
@@ -300,7 +300,7 @@ impl Tracker {
         let row = path.segments.get(before.segment)?.scale;
         let mut x = Sample::<N>::new(path, dp, row);
         self.setpoint.follower.step(path, &mut x, time_s * factor, f64::INFINITY);
-        if self.is_short(path) {
+        if self.is_short(path, &self.setpoint.follower, false) {
             self.setpoint.follower = follower;
             return None;
         }
@@ -389,7 +389,7 @@ impl Tracker {
         let mut x = Sample::<N>::new(path, load, row);
         let s_before = follower.s(path);
         follower.step(path, &mut x, time_s * factor, cap);
-        if self.is_short(path) {
+        if self.is_short(path, &follower, true) {
             return None;
         }
         let foot = follower.foot;

@@ -5,7 +5,7 @@ mod common;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use common::{Program, Random, Run, TA, random_program};
+use common::{Measured, Program, Random, Run, TA, random_program};
 use toolpaths::{Path, PathError, Tracker, TrackerOptions};
 
 /// A tracker whose path comes in parts of so many commands, and how many it has asked for.
@@ -26,11 +26,20 @@ fn growing(program: &Program, every: usize) -> (Tracker, Arc<AtomicUsize>) {
 
 fn assert_same(program: &Program, run: &Run, every: usize, what: &str) {
     let (whole, grown) = (run.measure(program), run.measure_by(growing(program, every).0));
+    assert_eq!(evidence(&grown), evidence(&whole), "{what}");
     // NaN where there is no direction in the plane: compared as text
     assert_eq!(format!("{:?}", grown.summary), format!("{:?}", whole.summary), "{what}");
     assert_eq!((&grown.actual_mm, &grown.setpoint_mm), (&whole.actual_mm, &whole.setpoint_mm), "{what}");
     assert_eq!((&grown.s_actual_mm, &grown.s_setpoint_mm), (&whole.s_actual_mm, &whole.s_setpoint_mm), "{what}");
     assert_eq!(format!("{:?}", grown.signed_mm), format!("{:?}", whole.signed_mm), "{what}");
+}
+
+/// What a diagnosis gets to know.
+fn evidence(measured: &Measured) -> String {
+    let e = measured.tracker.as_ref().unwrap().evidence();
+    let trace = |t: &toolpaths::TraceEvidence| format!("{:?} {:?} {:?}", t.blocks(), t.axes(), t.exchanges());
+    let rounds: Vec<_> = e.rounds().collect();
+    format!("{}\n{}\n{:?}\n{rounds:?}", trace(&e.setpoint), trace(&e.actual), e.axes)
 }
 
 #[test]
@@ -57,6 +66,30 @@ fn runs_that_are_true_lag_leave_the_path_or_stop_early_measure_the_same() {
         for every in [1, 3, 29, 100] {
             assert_same(&p, &run, every, &format!("seed {seed}, parts of {every}"));
         }
+    }
+}
+
+#[test]
+fn circles_and_exchanged_axes_are_found_the_same() {
+    let mut p = Program::new(&[0.0, 0.0]);
+    for n in 0..90 {
+        let (x, y) = (f64::from(n), 0.0);
+        p.line(&[x, y]);
+        // a full circle in one to four arcs
+        (0..=n % 4)
+            .for_each(|_| drop(p.helix(0, 1, [x + 3.0, y], 360.0 / f64::from(1 + n % 4), &[x, y]).columns.clone()));
+    }
+    let mut run = p.run(|_| 1.0);
+    for k in 0..run.len() / 3 {
+        run.load.swap(2 * k, 2 * k + 1);
+    }
+    let mut r = Random::new(3);
+    run.load[run.dp.len() / 2..].iter_mut().for_each(|x| *x += r.range(-2e-3, 2e-3));
+    let found = evidence(&run.measure(&p));
+    let rounds = found.matches("Round {").count();
+    assert!(found.contains("Swapped") && rounds > 40, "{rounds} circles, {}", found.contains("Swapped"));
+    for every in [1, 2, 5, 64, 1000] {
+        assert_same(&p, &run, every, "circles");
     }
 }
 

@@ -125,10 +125,11 @@ impl Stream {
         Ok(())
     }
     /// JSON Lines of design 3.3, or the sheet to be read beside the source (`path`, read again): pieces of whole lines.
-    fn listing(&self, path: PathBuf, json: bool) -> PyResult<StreamListing> {
+    fn listing(this: PyRef<'_, Self>, path: PathBuf, json: bool) -> PyResult<StreamListing> {
         let text = if json { None } else { Some(Box::new(opened(&path)?) as Box<dyn std::io::Read + Send>) };
-        let sheet = gcode::Sheet::following(&self.machine, text);
-        Ok(StreamListing { machine: self.machine.clone(), state: Mutex::new((sheet, self.user(EXECUTES)?, None)) })
+        let sheet = gcode::Sheet::following(&this.machine, text);
+        let state = Mutex::new((sheet, this.user(EXECUTES)?, None));
+        Ok(StreamListing { machine: this.machine.clone(), state, _stream: this.into() })
     }
     /// Waits for the end of the translation: findings and facts as of `check_once`, once. Raises OSError.
     fn finish<'py>(&self, py: Python<'py>) -> PyResult<Found<'py>> {
@@ -171,6 +172,8 @@ type ListingState = (gcode::Sheet, Segments, Option<Arc<motion_kernel::autocode:
 pub struct StreamListing {
     machine: Arc<machine::Machine>,
     state: Mutex<ListingState>,
+    /// The translation goes on as long as somebody holds it.
+    _stream: Py<Stream>,
 }
 
 #[pymethods]
@@ -211,5 +214,6 @@ fn view(c: &SequenceColumns) -> SequenceView<'_> {
         via_target: &c.via_target,
         effradius: &c.effradius,
         effradius_of: &c.effradius_of,
+        space: toolpaths::Space::default(),
     }
 }

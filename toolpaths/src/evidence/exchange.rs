@@ -15,6 +15,11 @@ const LEAST_SAMPLES: u32 = 5;
 const KEPT: usize = 16;
 const AXES: usize = 6;
 
+/// How far an exchanged position is looked for ahead, mm.
+fn ahead(deviation: f64) -> f64 {
+    4.0 * deviation + 1.0
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExchangeKind {
     Swapped,
@@ -73,6 +78,29 @@ pub struct Watch {
 }
 
 impl Watch {
+    /// Whether a sample with that deviation may look at more of the path than is known.
+    pub fn is_short(&self, path: &Path, deviation: f64) -> bool {
+        if deviation <= TRY_MM || self.found.len() >= KEPT || !deviation.is_finite() {
+            return false;
+        }
+        let alive = self.hypotheses.iter().filter(|h| h.alive).map(|h| h.follower.s(path));
+        let from = if self.begun { 0.0 } else { path.s_of(self.last_quiet) };
+        alive.fold(from, f64::max) + ahead(deviation) >= path.length_mm()
+    }
+    /// First segment that is still looked at.
+    pub fn first_segment(&self) -> usize {
+        let alive = self.hypotheses.iter().filter(|h| h.alive).map(|h| h.follower.foot.segment);
+        alive.min().unwrap_or(usize::MAX)
+    }
+    pub fn forget(&mut self, segments: usize) {
+        // a place that is gone is no longer near: the first that is left stands for it
+        let quiet = self.last_quiet;
+        self.last_quiet =
+            quiet.segment.checked_sub(segments).map_or(Place::default(), |segment| Place { segment, ..quiet });
+        for h in &mut self.hypotheses {
+            h.follower.foot.segment = h.follower.foot.segment.saturating_sub(segments);
+        }
+    }
     #[inline]
     pub fn quiet<const N: usize>(&mut self, at: &At<N>) {
         self.last_quiet = at.place;
@@ -125,7 +153,7 @@ impl Watch {
         for h in self.hypotheses.iter_mut().filter(|h| h.alive) {
             h.apply(at.raw, &mut self.exchanged);
             let mut x = Sample::<N>::new(path, &self.exchanged, row);
-            let cap = h.follower.s(path) + 4.0 * at.deviation + 1.0;
+            let cap = h.follower.s(path) + ahead(at.deviation);
             h.follower.step(path, &mut x, at.time_s, cap);
             h.alive = h.follower.d2.sqrt() <= NEAR * at.deviation + NEAR_MM;
             if h.alive {

@@ -17,7 +17,7 @@ use blocks::Off;
 use exchange::Watch;
 use rounds::Rounds;
 
-use crate::follower::Place;
+use crate::follower::{Follower, Place};
 use crate::path::Path;
 
 /// Deviations below this are not looked at: rounding for set points, the quiet run of a loop for the load side, mm.
@@ -120,6 +120,26 @@ impl Evidence {
     pub fn add_actual<const N: usize>(&mut self, path: &Path, at: &At<N>) {
         self.actual.add(path, at);
         self.rounds.add(at.place, at.x);
+    }
+
+    /// The path has grown; `whole`: to its end.
+    pub(crate) fn grown(&mut self, path: &Path, whole: bool) {
+        self.rounds.scan(path, whole);
+    }
+    /// First segment that is still looked at.
+    pub(crate) fn first_segment(&self) -> usize {
+        self.setpoint.watch.first_segment().min(self.actual.watch.first_segment())
+    }
+    pub(crate) fn forget(&mut self, segments: usize) {
+        self.rounds.forget(segments);
+        self.setpoint.watch.forget(segments);
+        self.actual.watch.forget(segments);
+    }
+    /// Whether more of the path must be known before a sample counts: of a set point, or of the load side.
+    #[inline]
+    pub(crate) fn is_short(&self, path: &Path, at: &Follower, actual: bool) -> bool {
+        let (watch, deviation) = (if actual { &self.actual.watch } else { &self.setpoint.watch }, at.d2.sqrt());
+        actual && self.rounds.is_open(at.foot.segment) || watch.is_short(path, deviation)
     }
 
     pub fn finish(&mut self) {

@@ -49,15 +49,24 @@ pub struct Round {
 pub struct Rounds {
     rounds: Vec<Round>,
     at: usize,
+    /// Segments that were looked at, and those that were forgotten; both count from the beginning of the path.
+    scanned: usize,
+    gone: usize,
 }
 
 impl Rounds {
     pub fn new(path: &Path) -> Rounds {
-        let mut rounds = Vec::new();
-        let mut first = 0;
-        while first < path.segments.len() && rounds.len() < KEPT {
+        let mut rounds = Rounds::default();
+        rounds.scan(path, true);
+        rounds
+    }
+
+    /// Looks for circles in what is new of a path; unless it is `whole`, arcs at its end may go on.
+    pub fn scan(&mut self, path: &Path, whole: bool) {
+        while self.scanned < self.gone + path.segments.len() && self.rounds.len() < KEPT {
+            let first = self.scanned - self.gone;
             let Some(circle) = path.circles.get(path.segments[first].circle as usize) else {
-                first += 1;
+                self.scanned += 1;
                 continue;
             };
             let mut last = first;
@@ -66,27 +75,40 @@ impl Rounds {
                 last += 1;
                 turned += turn(path, last);
             }
-            if turned >= TAU - SAME_RAD && !circle.helical && circle.is_plane() {
-                rounds.push(round(path, circle, first, last));
+            if last + 1 == path.segments.len() && !whole {
+                return;
             }
-            first = last + 1;
+            if turned >= TAU - SAME_RAD && !circle.helical && circle.is_plane() {
+                let round = round(path, circle, first, last);
+                let segments = (first + self.gone, last + self.gone);
+                self.rounds.push(Round { segments, ..round });
+            }
+            self.scanned = self.gone + last + 1;
         }
-        Rounds { rounds, at: 0 }
+    }
+    /// Whether it is not yet known if the segment belongs to a circle.
+    #[inline]
+    pub fn is_open(&self, segment: usize) -> bool {
+        segment + self.gone >= self.scanned && self.rounds.len() < KEPT
+    }
+    pub fn forget(&mut self, segments: usize) {
+        self.gone += segments;
     }
 
     /// A load-side sample with its foot.
     #[inline]
     pub fn add<const N: usize>(&mut self, place: Place, x: &[f64; N]) {
         let Some(round) = self.rounds.get_mut(self.at) else { return };
-        if place.segment < round.segments.0 {
+        let segment = place.segment + self.gone;
+        if segment < round.segments.0 {
             return;
         }
-        if place.segment > round.segments.1 {
+        if segment > round.segments.1 {
             self.at += 1;
             return self.add(place, x);
         }
         // at the very ends the machine comes from elsewhere
-        if place.segment == round.segments.0 && place.t <= 0.0 {
+        if segment == round.segments.0 && place.t <= 0.0 {
             return;
         }
         if round.bins.is_empty() {

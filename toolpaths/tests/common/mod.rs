@@ -57,6 +57,7 @@ impl Columns {
             via_target: self.via_target[vias.start * a..vias.end * a].to_vec(),
             effradius: self.effradius.clone(),
             effradius_of: self.effradius_of[i..j].to_vec(),
+            ..Columns::default()
         }
     }
     pub fn view(&self) -> SequenceView<'_> {

@@ -1,0 +1,207 @@
+"""Large programs are translated while they are read and run: the same result in memory that does not grow with them."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cnc_front import streaming
+from cnc_front.cli import run_command_line
+from cnc_front.jobs import JobSource
+from cnc_front.streaming import FileSource, _hash_and_lines
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = sorted((ROOT / "examples" / "jobs").glob("*.nc"))
+VARIANTS = sorted(p for p in (ROOT / "tests" / "app" / "variants").iterdir() if p.suffix in (".nc", ".ngc", ".tap"))
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Runs a command with every program streamed, or compiled whole."""
+
+    def call(*arguments: object, whole: bool = False) -> tuple[int, str, str]:
+        monkeypatch.setattr(streaming, "WHOLE_BYTES", 1 << 40 if whole else 0)
+        capsys.readouterr()
+        code = run_command_line([str(a) for a in arguments])
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return call
+
+
+def result(text: str) -> dict[str, Any]:
+    return json.loads(text) | {"wall_time_s": None}
+
+
+def zigzag(lines: int, middle: str = "", end: str = "M30\n") -> str:
+    """Some cuts, a text in the middle, as many again."""
+    rows = "".join(f"G1 X{n % 50}.5 Y{n % 7}.25\n" for n in range(lines // 2))
+    return f"G21 G90 G17 F6000\n{rows}{middle}{rows}{end}"
+
+
+@pytest.mark.parametrize("job", EXAMPLES + VARIANTS, ids=lambda path: path.name)
+def test_the_result_of_a_streamed_run_is_that_of_a_whole_one(job: Path, run: Run) -> None:
+    streamed, whole = run("run", "--json", job), run("run", "--json", job, whole=True)
+    assert streamed[0] == whole[0]
+    assert result(streamed[1]) == result(whole[1])
+    assert sorted(streamed[2].splitlines()) == sorted(whole[2].splitlines())
+
+
+@pytest.mark.parametrize("job", EXAMPLES + VARIANTS, ids=lambda path: path.name)
+@pytest.mark.parametrize("command", [["check"], ["translate"], ["translate", "--json"]], ids=" ".join)
+def test_check_and_translate_say_the_same(command: list[str], job: Path, run: Run) -> None:
+    assert run(*command, job) == run(*command, job, whole=True)
+
+
+@pytest.mark.parametrize(
+    ("middle", "arguments"),
+    [
+        ('(MSG, half)\nM0\nT1 M6\nwrite "so far"\nwriteln\n', ["--override", "0:1,1:0.5,2:1.2"]),
+        ("G2 X10 Y10 I5 J5\nG3 X0 Y0 I-5 J-5\nG2 X0 Y0 I20 J0\n", ["--tolerance", "0.0001"]),
+        ("G4 P5000\n", ["--max-time", "4"]),
+        ("G41 D1 X60 Y20\nX70\nM8\nY30\nX60\nG40 X60 Y60\n", []),
+        ("G20\nG1 X1 F50\nG21\n", ["--skip", "1", "--optional-stop"]),
+    ],
+)
+def test_stops_overrides_messages_and_limits_come_the_same(
+    tmp_path: Path, run: Run, middle: str, arguments: list[str]
+) -> None:
+    (tmp_path / "part.nc").write_text(zigzag(800, middle))
+    streamed = run("run", "--json", tmp_path / "part.nc", *arguments)
+    whole = run("run", "--json", tmp_path / "part.nc", *arguments, whole=True)
+    assert (streamed[0], result(streamed[1])) == (whole[0], result(whole[1]))
+
+
+def test_a_fault_of_the_machine_comes_the_same(tmp_path: Path, run: Run) -> None:
+    (tmp_path / "part.nc").write_text(zigzag(2000))
+    (tmp_path / "part.stim").write_text("when X > 10: X blocked\n")
+    streamed, whole = run("run", "--json", tmp_path / "part.nc"), run("run", "--json", tmp_path / "part.nc", whole=True)
+    assert (streamed[0], result(streamed[1])) == (whole[0], result(whole[1]))
+
+
+@pytest.mark.parametrize("middle", ["M98 P5\n", "#1=3\nWHILE [#1 GT 0] DO1\n#1=#1-1\nEND1\n", "GOTO 5\nN5 X1\n"])
+def test_a_program_that_looks_back_is_compiled_whole(tmp_path: Path, run: Run, middle: str) -> None:
+    (tmp_path / "part.nc").write_text(zigzag(600, middle, "M30\nO5\nG91 G1 X1\nG90\nM99\n"))
+    for command in (["run", "--json"], ["check"], ["translate"]):
+        streamed, whole = run(*command, tmp_path / "part.nc"), run(*command, tmp_path / "part.nc", whole=True)
+        assert streamed[0] == whole[0] == 0
+        if command[0] == "run":
+            assert result(streamed[1]) == result(whole[1])
+        else:
+            assert streamed == whole
+
+
+def test_an_error_at_the_end_undoes_the_run(tmp_path: Path, run: Run) -> None:
+    (tmp_path / "part.nc").write_text(zigzag(30_000, "G1 Q5\n", "G1 X1 $\nM30\n"))
+    streamed, whole = run("run", "--json", tmp_path / "part.nc"), run("run", "--json", tmp_path / "part.nc", whole=True)
+    assert (streamed[0], json.loads(streamed[1])) == (2, json.loads(whole[1]))
+    assert streamed[2] == whole[2] and "GC326" in streamed[2] and "GC107" in streamed[2]
+    assert run("translate", tmp_path / "part.nc") == run("translate", tmp_path / "part.nc", whole=True)
+    assert run("translate", tmp_path / "part.nc")[1] == ""
+
+
+def test_a_machine_that_is_not_ready_comes_behind_errors_of_the_text(tmp_path: Path, run: Run) -> None:
+    machine = (
+        (ROOT / "examples" / "machines" / "mill3.toml").read_text().replace("referenced = true", "referenced = false")
+    )
+    (tmp_path / "machine.toml").write_text(machine)
+    for text in (zigzag(3000), zigzag(3000, "G1 Q5\n")):
+        (tmp_path / "part.nc").write_text(text)
+        streamed, whole = run("run", tmp_path / "part.nc"), run("run", tmp_path / "part.nc", whole=True)
+        assert (streamed[0], streamed[2]) == (whole[0], whole[2])
+
+
+@pytest.mark.parametrize("text", [b"", b"a", b"a\n", b"a\r\nb\r\n", b"a\rb\n\rc", b"\r\n" * 9, b"\r" * 7 + b"\n\n"])
+def test_lines_and_hash_are_those_of_the_whole_text(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: bytes
+) -> None:
+    (tmp_path / "p.nc").write_bytes(text)
+    source = JobSource("p.nc", text, "din66025")
+    for block in (1, 2, 3, 1000):
+        monkeypatch.setattr(streaming, "BLOCK", block)
+        assert _hash_and_lines(str(tmp_path / "p.nc")) == (source.sha256, source.lines)
+
+
+def test_a_file_that_changes_while_it_is_read_is_refused(
+    tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    part = tmp_path / "part.nc"
+    part.write_text(zigzag(200_000))
+    count = FileSource.count
+
+    def shrink(self: FileSource) -> None:
+        os.truncate(part, 1_000_000)
+        count(self)
+
+    monkeypatch.setattr(FileSource, "count", shrink)
+    code, _, err = run("run", part)
+    assert code == 2 and "GC114" in err and "Traceback" not in err
+
+
+def child(part: Path, *arguments: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "cnc_front", *arguments, str(part)],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_ctrl_c_ends_a_streamed_run_with_its_result(tmp_path: Path) -> None:
+    part = tmp_path / "part.nc"
+    part.write_text(zigzag(600_000))
+    with child(part, "run", "--json") as process:
+        time.sleep(2.5)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=120)
+    assert process.returncode == 130, err
+    assert json.loads(out)["error"]["id"] == "CF304"
+
+
+def test_the_time_limit_ends_a_streamed_run(tmp_path: Path, run: Run) -> None:
+    part = tmp_path / "part.nc"
+    part.write_text(zigzag(100_000))
+    code, out, _ = run("run", "--json", "--max-time", "1", part)
+    assert code == 3 and json.loads(out)["error"]["id"] == "CF303"
+
+
+PEAK = """
+import resource, sys
+from cnc_front.cli import run_command_line
+code = run_command_line(sys.argv[1:])
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, file=sys.stderr)
+sys.exit(code)
+"""
+
+
+def peak_mib(*arguments: str) -> float:
+    """Most memory of a command."""
+    done = subprocess.run(
+        [sys.executable, "-c", PEAK, *arguments], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    )
+    assert done.returncode in (0, 1), done.stderr
+    return int(done.stderr.split()[-1]) / 1024
+
+
+@pytest.mark.parametrize("command", [["run", "-q"], ["check", "-q"], ["translate", "-q", "--json"]], ids=" ".join)
+def test_memory_does_not_grow_with_the_program(tmp_path: Path, command: list[str]) -> None:
+    """Five times the lines in nearly the same memory. Compiled whole, 300,000 lines take 100 MiB more."""
+    rows = "".join(f"X{n % 50}.5 Y{n % 7}.25 F{5000 + n % 1000}\n" for n in range(1000))
+    peaks = []
+    for thousands in (60, 300):
+        part = tmp_path / f"{thousands}.nc"
+        part.write_text(f"G21 G90 G1 F6000\n{rows * thousands}M30\n")
+        assert part.stat().st_size > streaming.WHOLE_BYTES
+        peaks.append(peak_mib(*command, str(part)))
+    assert peaks[1] < peaks[0] + 25, peaks
