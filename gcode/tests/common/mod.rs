@@ -164,9 +164,12 @@ pub fn same_once(text: &[u8], machine: &Machine, options: &Options, window: usiz
     assert_eq!((found.facts.blocks, found.facts.lines), (whole.facts.blocks, whole.facts.lines), "{}", shown());
     match whole.program {
         Some(program) => {
-            let (one, all) = (flat(&segments, machine), flat(&[program.clone()], machine));
+            let (one, all) = (flat(&segments, machine), flat(std::slice::from_ref(&program), machine));
             for json in [false, true] {
-                assert!(listed(text, &segments, machine, json) == listed(text, &[program.clone()], machine, json));
+                assert!(
+                    listed(text, &segments, machine, json)
+                        == listed(text, std::slice::from_ref(&program), machine, json)
+                );
             }
             assert!(one == all, "{}\n{:?}", shown(), one.iter().zip(&all).find(|(a, b)| a != b));
         }
