@@ -42,7 +42,7 @@ fn every_user_gets_the_whole_program_at_his_own_speed() {
     let fast = std::thread::spawn(|| all(fast)).join().unwrap();
     let slow: Vec<Program> = std::iter::once((*first).clone()).chain(all(slow)).collect();
     assert!(fast.len() > 10 && fast == slow);
-    assert!(flat(&fast, &mill3()) == flat(&[whole.clone()], &mill3()));
+    assert!(flat(&fast, &mill3()) == flat(std::slice::from_ref(&whole), &mill3()));
     let compiled = stream.finish().unwrap().unwrap().unwrap();
     assert!(!compiled.has_errors() && stream.finish().is_none());
     let mut counts = Counts::default();

@@ -84,7 +84,9 @@ def test_stops_overrides_messages_and_limits_come_the_same(
 
 def test_a_fault_of_the_machine_comes_the_same(tmp_path: Path, run: Run) -> None:
     (tmp_path / "part.nc").write_text(zigzag(2000))
-    (tmp_path / "part.stim").write_text("when X > 10: X blocked\n")
+    cell = (ROOT / "examples" / "faults" / "machine.toml").read_text()
+    (tmp_path / "machine.toml").write_text(cell)
+    (tmp_path / "part.stim").write_text("at 1.5 s: input 8 on\n")
     streamed, whole = run("run", "--json", tmp_path / "part.nc"), run("run", "--json", tmp_path / "part.nc", whole=True)
     assert (streamed[0], result(streamed[1])) == (3, result(whole[1]))
 
