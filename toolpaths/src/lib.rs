@@ -22,6 +22,7 @@ mod segment;
 mod sequence;
 mod series;
 mod stretches;
+mod summary;
 mod tracker;
 mod watched;
 
@@ -41,4 +42,5 @@ pub use removal::{HeightMap, Met, Move, Passed, Profile, Watch};
 pub use sequence::{PathError, SequenceView, Space};
 pub use series::{LengthSeries, MinMax, TimeSeries};
 pub use stretches::{Stretch, Stretches};
-pub use tracker::{Chunk, FollowingError, PerSample, Summary, Tracker, TrackerOptions};
+pub use summary::{FollowingError, Summary};
+pub use tracker::{Chunk, PerSample, Tracker, TrackerOptions};

@@ -3,16 +3,17 @@
 use std::sync::Arc;
 
 use crate::blocks::BlockStats;
-use crate::deviation::{DeviationSummary, Deviations};
+use crate::deviation::Deviations;
 use crate::evidence::{At, Evidence};
-use crate::feed::{FeedCheck, FeedSummary, Interval, OverrideCheck, OverrideSummary};
+use crate::feed::{FeedCheck, Interval, OverrideCheck};
 use crate::follower::{ADVANCE, Follower, Place, SLACK_MM, Sample};
 use crate::growth::Growth;
 use crate::limits::{BlockLimit, Limits, Tally, limit_of};
 use crate::passages::Passages;
-use crate::path::{Merged, Path, WIDTHS};
+use crate::path::{Path, WIDTHS};
 use crate::segment::squared_distance;
 use crate::series::{LengthSeries, TimeSeries};
+use crate::summary::{FollowingError, Summary};
 use crate::watched::Watched;
 
 #[derive(Clone, Debug)]
@@ -74,36 +75,6 @@ pub struct PerSample<'a> {
     pub s_setpoint_mm: &'a mut [f64],
     /// Number in [`Path::blocks`] of the block that the foot of the load side is on.
     pub block: &'a mut [u32],
-}
-
-/// Command minus encoder position of one axis, in axis units.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FollowingError {
-    pub max: f64,
-    pub rms: f64,
-}
-
-/// The checks of a run (design 3.2).
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Summary {
-    pub samples: u64,
-    pub path_length_mm: f64,
-    pub merged: Merged,
-    pub setpoint: DeviationSummary,
-    pub actual: DeviationSummary,
-    /// Per axis of the machine.
-    pub following_error: Vec<FollowingError>,
-    pub feed: FeedSummary,
-    pub override_: OverrideSummary,
-    /// Largest distance along the path by which the load side lags the set point.
-    pub lag_max_mm: f64,
-    /// Path that the set point did not run, mm, and the source line at which it ended.
-    pub missing_mm: f64,
-    pub reached_line: u32,
-    /// The set point reached the end of the path. A run stopped early is measured up to there.
-    pub completed: bool,
-    /// Samples per cause that limited the path velocity; they sum to `samples`.
-    pub limits: Tally,
 }
 
 /// How far the end of the path may be missed: rounding of stops to counts.
