@@ -183,7 +183,7 @@ impl Tracker {
         let options = TrackerOptions { sample_time_s, schedule, trovrst_s, at_speed, ..TrackerOptions::default() };
         let inner = stream.tracker(options)?;
         let axes = inner.path().axes();
-        Ok(Tracker { inner, axes })
+        Ok(Tracker { inner, axes, stretches: None })
     }
     /// As Path.mm_per_unit; complete after `finish`.
     #[getter]
