@@ -10,6 +10,7 @@ import pytest
 
 from cnc_front.engine import Mode, Snapshot, State, Stop, Switches
 from cnc_front.errors import CompileError, UsageError
+from cnc_front.german import localized
 from cnc_front.sim import SimEngine
 from tests.app.conftest import ROOT
 
@@ -299,3 +300,10 @@ def test_the_four_stops_have_names(engine: SimEngine, job: Callable[..., Path]) 
     engine.start()
     assert engine.wait(5, lambda s: s.state is State.STEP and s.axes[0].command == 500.0)
     assert engine.snapshot().stop is Stop.BLOCK_END
+
+
+def test_what_mdi_refuses_is_said_in_german(engine: SimEngine) -> None:
+    with pytest.raises(CompileError) as error:
+        engine.check_mdi("M30")
+    first = localized(error.value.diagnostics, "de")[0]
+    assert first.message.startswith("dahinter kann kein Satz folgen") and first.hint == "in ein Teileprogramm schreiben"
