@@ -32,7 +32,8 @@ function limitStrip(canvas) {
       shares.forEach((share, k) => { const h = (box.bottom - box.top) * share / total; if (h > 0) { c.fillStyle = hueOf(names[k]); c.fillRect(px, y - h, 1.2, h); } y -= h; });
     }
     c.fillStyle = colour("soft");
-    for (const v of ticks(range[0], range[1], width / 110)) if (at(box.right) - v > (range[1] - range[0]) * 0.12) put(c, short(v), box.left + (box.right - box.left) * (v - range[0]) / (range[1] - range[0]), box.bottom + 5, "center", "top");
+    const room = c.measureText(words.machine_time).width + 24, px = (v) => box.left + (box.right - box.left) * (v - range[0]) / (range[1] - range[0]);
+    for (const v of ticks(range[0], range[1], width / 110)) if (px(v) < box.right - room) put(c, short(v), box.left + (box.right - box.left) * (v - range[0]) / (range[1] - range[0]), box.bottom + 5, "center", "top");
     put(c, words.machine_time, box.right, box.bottom + 5, "right", "top");
     if (dragged !== null && pointer !== null) { c.fillStyle = colour("bg"); c.globalAlpha = 0.5; c.fillRect(dragged, box.top, pointer - dragged, box.bottom - box.top); c.globalAlpha = 1; }
     if (pointer !== null) readout(c, width);

@@ -70,7 +70,7 @@ function drawLimits(c, box, y, limits, [, high]) {
     const inside = value <= high;
     c.fillStyle = colour(inside ? "bad" : "soft"); c.strokeStyle = colour("bad"); c.lineWidth = 1;
     if (inside) { c.setLineDash([6, 4]); line(c, box.left, y(value), box.right, y(value)); c.setLineDash([]); put(c, text, box.left + 6, y(value) - 2, "left", "bottom"); }
-    else put(c, text + " ↑", box.left + c.measureText("mm/min").width + 20, 3, "left", "top");
+    else if (box.right - box.left > 420) put(c, text + " ↑", box.left + c.measureText("mm/min").width + 20, 3, "left", "top");
   }
 }
 
