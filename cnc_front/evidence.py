@@ -71,7 +71,7 @@ def _finding(
     if "factor" in values:
         entry["factor"] = values["factor"]
     if found.kind == "effradius":
-        radius = math.degrees(setting.mm_per_unit[found.axes[0]])
+        radius = math.degrees(values["mm_per_unit"])
         # what turns too far turns by a radius that is too small
         entry |= {"programmed_radius_mm": radius, "effradius_mm": radius / values["factor"]}
     return entry

@@ -186,7 +186,7 @@ def measured_keys(summary: dict[str, Any], machine: native_kernel.Machine, sched
     names = machine.axis_names
     feed: dict[str, Any] = {key: summary[key] for key in ("programmed_reached_pct", "max_over_pct")}
     errors = zip(names, summary["following_error"], strict=True)
-    overrides = ("path_change_mm", "velocity_ratio_error_pct", "settling_ok")
+    overrides = ("path_change_mm", "velocity_ratio_error_pct", "settling_ok", "settling_s", "settling_allowed_s")
     return {
         "path_length_mm": summary["path_length_mm"],
         "merged": {"blocks": summary["merged"][0], "max_mm": summary["merged"][1]},

@@ -167,7 +167,7 @@ def _scales(trace: dict[str, Any], setting: Setting) -> list[Finding]:
         alone = share["e"] ** 2 / share["w"] / share["squares"]
         if explained >= WHOLE and alone < 0.9 * explained:
             kind = "effradius" if setting.rotary[a] else "axis_scale"
-            values = {"factor": 1 + float(slope), "explained": explained}
+            values = {"factor": 1 + float(slope), "explained": explained, "mm_per_unit": share["mm_per_unit"]}
             most = share["most_mm"]
             found.append(Finding(kind, "setpoint", share["block"], most, most, (a,), values=values))
     return found
@@ -262,14 +262,8 @@ def _of_line(fit: dict[str, Any], trace: str) -> Finding | None:
     return Finding("block_shifted", trace, fit["block"], math.sqrt(square), fit["max_mm"], values=values)
 
 
-#: Hypotheses of a circle: columns of the normal equations (cos, sin, 1, cos²).
-CIRCLES = (
-    ("radius_off", (2,)),
-    ("centre_off", (0, 1)),
-    ("centre_off", (0, 1, 2)),
-    ("effradius", (2, 3)),
-    ("effradius", (0, 1, 2, 3)),
-)
+#: Hypotheses of a circle: columns of the normal equations (cos, sin, 1).
+CIRCLES = (("radius_off", (2,)), ("centre_off", (0, 1)), ("centre_off", (0, 1, 2)))
 
 
 def _of_circle(fit: dict[str, Any], trace: str, setting: Setting) -> Finding | None:
@@ -281,17 +275,38 @@ def _of_circle(fit: dict[str, Any], trace: str, setting: Setting) -> Finding | N
         size = math.sqrt(aside)
         values = {"vector_mm": out_of_plane, "explained": aside / fit["mean_square"]}
         return Finding("block_shifted", trace, fit["block"], size, fit["max_mm"], values=values)
-    rotary = setting.rotary[c1] != setting.rotary[c2]
+    hypotheses = [(kind, columns) for kind, columns in CIRCLES if kind != "radius_off" or trace == "setpoint"]
     # nearly exact first, whatever it takes; else only what needs few numbers
-    for wanted, most_columns in ((NEARLY_ALL, 4), (EXPLAINED, 2)):
-        for kind, columns in CIRCLES:
-            unfit = (kind == "effradius" and not rotary) or (kind == "radius_off" and trace == "actual")
-            if unfit or len(columns) > most_columns or (kind == "effradius" and wanted == EXPLAINED):
-                continue
-            solved = _solve(fit, columns, wanted)
-            if solved is not None:
-                return _circle_finding(kind, *solved, fit, trace, setting)
+    for kind, columns in hypotheses:
+        if (solved := _solve(fit, columns, NEARLY_ALL)) is not None:
+            return _circle_finding(kind, *solved, fit, trace)
+    if setting.rotary[c1] != setting.rotary[c2] and (found := _scaled_circle(fit, trace, setting)) is not None:
+        return found
+    for kind, columns in hypotheses[:-1]:
+        if (solved := _solve(fit, columns, EXPLAINED)) is not None:
+            return _circle_finding(kind, *solved, fit, trace)
     return None
+
+
+def _scaled_circle(fit: dict[str, Any], trace: str, setting: Setting) -> Finding | None:
+    """A circle that was driven with other scales of its two axes is an ellipse along them: v² = p - ratio² u² + ...;
+    the ratio of the scales is that of the effective radii."""
+    c1, c2, radius = fit["circle"]
+    normal, right = fit["conic_normal"], fit["conic_right"]
+    if np.linalg.cond(normal) > 1e13:
+        return None
+    value = np.linalg.solve(normal, right)
+    # v² of the conic is out by twice the radial deviation, in radii
+    rest = float(fit["conic_squares"] - value @ right) * radius**2 / 4
+    if value[0] >= 0 or abs(rest) > (1 - NEARLY_ALL) * fit["radial_squares"]:
+        return None
+    first_to_second = 1 / math.sqrt(-float(value[0]))
+    axis = c1 if setting.rotary[c1] else c2
+    factor = first_to_second if axis == c1 else 1 / first_to_second
+    explained = 1 - abs(rest) / fit["radial_squares"]
+    values = {"factor": factor, "explained": explained, "mm_per_unit": fit["mm_per_unit"][axis]}
+    most = fit["max_mm"]
+    return Finding("effradius", trace, fit["block"], most, most, (axis,), values=values)
 
 
 def _solve(fit: dict[str, Any], columns: tuple[int, ...], wanted: float) -> tuple[Vector, float] | None:
@@ -310,30 +325,21 @@ def _solve(fit: dict[str, Any], columns: tuple[int, ...], wanted: float) -> tupl
     size = float(np.linalg.norm(value))
     if rest > (1 - wanted) * squares or float(np.linalg.norm(error)) > 0.02 * size or size > 100 * fit["max_mm"]:
         return None
-    full = np.zeros(4)
+    full = np.zeros(3)
     full[pick] = value
     return full, 1 - rest / squares
 
 
-def _circle_finding(
-    kind: str, solved: Vector, explained: float, fit: dict[str, Any], trace: str, setting: Setting
-) -> Finding:
+def _circle_finding(kind: str, solved: Vector, explained: float, fit: dict[str, Any], trace: str) -> Finding:
     c1, c2, radius = fit["circle"]
     block, most = fit["block"], fit["max_mm"]
     if kind == "radius_off":
         values = {"radius_mm": radius + float(solved[2]), "explained": explained}
         return Finding(kind, trace, block, abs(float(solved[2])), most, values=values)
-    if kind == "centre_off":
-        vector = np.zeros(len(fit["mean_mm"]))
-        vector[[c1, c2]] = solved[:2]
-        values = {"vector_mm": vector, "explained": explained}
-        return Finding(kind, trace, block, float(np.hypot(*solved[:2])), most, values=values)
-    # the circle was driven with other scales of its two axes: their ratio is that of the radii
-    second = 1 + float(solved[2]) / radius
-    first = second + float(solved[3]) / radius
-    axis = c1 if setting.rotary[c1] else c2
-    factor = first / second if axis == c1 else second / first
-    return Finding(kind, trace, block, most, most, (axis,), values={"factor": factor, "explained": explained})
+    vector = np.zeros(len(fit["mean_mm"]))
+    vector[[c1, c2]] = solved[:2]
+    values = {"vector_mm": vector, "explained": explained}
+    return Finding(kind, trace, block, float(np.hypot(*solved[:2])), most, values=values)
 
 
 def _grouped(findings: list[Finding]) -> list[Finding]:

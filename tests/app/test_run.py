@@ -50,6 +50,8 @@ SCHEMA: dict[str, Any] = {
         "path_change_mm": (*NUMBER, type(None)),
         "velocity_ratio_error_pct": (*NUMBER, type(None)),
         "settling_ok": (bool, type(None)),
+        "settling_s": (float, type(None)),
+        "settling_allowed_s": (float, type(None)),
     },
     "time_optimal_s": (*NUMBER, type(None)),
     "alarms": list,
@@ -87,6 +89,8 @@ def test_examples_stay_on_their_path(cli: Cli, path: Path, override: str) -> Non
     if override != "1":
         assert run["override"]["path_change_mm"] <= 1e-6
         assert run["override"]["settling_ok"] is True
+        settling, allowed = (run["override"][key] for key in ("settling_s", "settling_allowed_s"))
+        assert settling is None or settling <= allowed
 
 
 def test_there_are_examples() -> None:

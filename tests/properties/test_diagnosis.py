@@ -188,15 +188,6 @@ def test_backlash_of_10_um_on_the_load_side(tmp_path: Path) -> None:
     assert found["max_mm"] == pytest.approx(0.005, rel=0.6) and found["line"] in (3, 5, 7, 8, 9)
 
 
-CYLINDER = """G21 G90 G61
-G1 C20 Z-3 F1500
-{arc}
-G1 C60 Z4
-C0 Z0
-M30
-"""
-
-
 def turned(factor: float) -> Callable[[Matrix], None]:
     def change(x: Matrix) -> None:
         x[:, 3] /= factor
@@ -213,6 +204,21 @@ def test_a_wrong_effradius(tmp_path: Path) -> None:
     assert (found["kind"], found["axes"]) == ("effradius", ["C"])
     assert found["effradius_mm"] == pytest.approx(radius * 1.01, rel=2e-4), "the error of 1 % to 2 % of itself"
     assert found["programmed_radius_mm"] == pytest.approx(radius)
+
+
+def test_a_wrong_effradius_on_an_arc_of_a_cylinder_surface() -> None:
+    machine = str(Path(__file__).parents[2] / "examples/machines/mill4c.toml")
+    run = Run("G21 G90 G17\nG0 X0 Y0 Z10 C0\nG07.1 C25\nG1 Z0 F1200\nG3 C60 Z20 R30\nG07.1 C0\nG0 Z30\nM30\n", machine)
+    mine = run.of_command(3)
+    assert mine.sum() > 500
+
+    def change(x: Matrix) -> None:
+        x[mine, 3] /= 1.002
+
+    found = only(run.spoilt(change))
+    assert (found["kind"], found["axes"], found["line"]) == ("effradius", ["C"], 5)
+    assert found["programmed_radius_mm"] == pytest.approx(25.0)
+    assert found["effradius_mm"] - 25.0 == pytest.approx(25 * 0.002, rel=0.02)
 
 
 def random_program(seed: int) -> str:

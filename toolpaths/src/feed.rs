@@ -99,6 +99,8 @@ pub struct OverrideSummary {
     pub velocity_ratio_error_pct: Option<f64>,
     /// The effective factor reached each scheduled one within TROVRST times the change, and stayed.
     pub settling_ok: bool,
+    /// Longest time from a scheduled change to its factor, s, and what TROVRST allows for that change; None without one.
+    pub settling_s: Option<(f64, f64)>,
 }
 
 /// Samples that a change may take beyond TROVRST times its size: command latency (design D2) and rounding.
@@ -124,6 +126,9 @@ pub struct OverrideCheck {
     length: f64,
     same_command: bool,
     ratio_error: Option<f64>,
+    /// A change on its way: when it began and what it may take; and the one that took most of that.
+    change: Option<(f64, f64)>,
+    slowest: Option<(f64, f64)>,
 }
 
 impl OverrideCheck {
@@ -143,6 +148,8 @@ impl OverrideCheck {
             length: 0.0,
             same_command: false,
             ratio_error: None,
+            change: None,
+            slowest: None,
         }
     }
 
@@ -154,7 +161,9 @@ impl OverrideCheck {
             let from = self.settled_by_s.max(at);
             self.settled_by_s = from + change * self.trovrst_s + LATENCY_SAMPLES * self.sample_time_s;
             self.step += 1;
+            self.change = Some((at, self.settled_by_s - at));
         }
+        self.time_change(time_s, interval.factor);
         // before the first motion the factor may still be on its way
         if interval.length > 0.0 && time_s > self.settled_by_s {
             // a rapid runs at no more than the rapid override, and the feed override returns after it (design D30)
@@ -171,6 +180,19 @@ impl OverrideCheck {
         self.planned = [planned, self.planned[0], self.planned[1]];
         self.length = if interval.unambiguous { interval.length } else { 0.0 };
         self.same_command = interval.same_command;
+    }
+
+    /// How long a change takes until its factor is there.
+    #[inline]
+    fn time_change(&mut self, time_s: f64, factor: f64) {
+        let Some((at, allowed)) = self.change else { return };
+        if (factor - self.schedule[self.step].1).abs() <= SAME_FACTOR {
+            let taken = time_s - at;
+            if self.slowest.is_none_or(|(slow, room)| taken * room > slow * allowed) {
+                self.slowest = Some((taken, allowed));
+            }
+            self.change = None;
+        }
     }
 
     /// Judges the last interval when planned speed changes evenly before, in and after it: then its mean is known.
@@ -195,6 +217,7 @@ impl OverrideCheck {
             path_change_mm: (self.changed_max - merged_max_mm).max(0.0),
             velocity_ratio_error_pct: self.ratio_error.map(|e| 100.0 * e),
             settling_ok: !self.violated,
+            settling_s: self.slowest,
         }
     }
 }
@@ -237,6 +260,8 @@ mod tests {
         let schedule = [(0.0, 1.0), (1.0, 0.5)];
         let run = |ramp_s: f64| check(&schedule, 0.5, move |t| (ramp(t, ramp_s), 10.0, 10.0 * ramp(t, ramp_s)));
         assert!(run(0.25).settling_ok);
+        let (taken, allowed) = run(0.25).settling_s.unwrap();
+        assert!((taken - 0.25).abs() < 2.0 * TA && (allowed - 0.25).abs() < 5.0 * TA, "{taken} {allowed}");
         assert!(!run(0.26).settling_ok);
         assert!(run(0.25).velocity_ratio_error_pct.unwrap() < 1e-9);
         assert!(!check(&schedule, 0.5, |_| (1.0, 10.0, 10.0)).settling_ok, "a change that never came");

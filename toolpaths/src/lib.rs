@@ -30,8 +30,8 @@ pub use blocks::BlockStats;
 pub use chords::{Chord, Chords};
 pub use deviation::{DeviationSummary, Worst};
 pub use evidence::{
-    AxisFit, AxisShare, BlockFit, Evidence, Exchange, ExchangeKind, HARMONICS, HISTOGRAM_BINS, MOTION, Round, RoundBin,
-    TraceEvidence, bin_edge,
+    AxisFit, AxisShare, BlockFit, CONIC, Evidence, Exchange, ExchangeKind, HARMONICS, HISTOGRAM_BINS, MOTION, Round,
+    RoundBin, TraceEvidence, bin_edge,
 };
 pub use feed::{FeedSummary, OverrideSummary};
 pub use limits::{BlockLimit, Tally};

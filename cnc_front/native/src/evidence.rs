@@ -6,7 +6,7 @@ use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use toolpaths::{
-    AxisFit, AxisShare, BlockFit, Evidence, Exchange, ExchangeKind, HARMONICS, MOTION, Round, TraceEvidence,
+    AxisFit, AxisShare, BlockFit, CONIC, Evidence, Exchange, ExchangeKind, HARMONICS, MOTION, Round, TraceEvidence,
 };
 
 /// {"setpoint": trace, "actual": trace, "axes": [...], "circles": [...], "lines": {block: line}}; see toolpaths/diagnosis.py.
@@ -74,6 +74,10 @@ fn block<'py>(py: Python<'py>, fit: &BlockFit, axes: usize) -> PyResult<Bound<'p
     dict.set_item("normal", symmetric(py, HARMONICS, &fit.normal)?)?;
     dict.set_item("right", fit.right.to_vec().into_pyarray(py))?;
     dict.set_item("radial_squares", fit.radial_squares)?;
+    dict.set_item("conic_normal", symmetric(py, CONIC, &fit.conic_normal)?)?;
+    dict.set_item("conic_right", fit.conic_right.to_vec().into_pyarray(py))?;
+    dict.set_item("conic_squares", fit.conic_squares)?;
+    dict.set_item("mm_per_unit", fit.scales[..axes].to_vec())?;
     Ok(dict)
 }
 
@@ -89,6 +93,7 @@ fn share_of<'py>(py: Python<'py>, share: &AxisShare) -> PyResult<Bound<'py, PyDi
         ("ev", share.ev),
         ("squares", share.squares),
         ("most_mm", share.most),
+        ("mm_per_unit", share.scale),
     ];
     for (name, value) in sums {
         dict.set_item(name, value)?;

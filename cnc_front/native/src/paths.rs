@@ -407,6 +407,8 @@ fn summary_dict<'py>(py: Python<'py>, s: &Summary) -> PyResult<Bound<'py, PyDict
     dict.set_item("path_change_mm", s.override_.path_change_mm)?;
     dict.set_item("velocity_ratio_error_pct", s.override_.velocity_ratio_error_pct)?;
     dict.set_item("settling_ok", s.override_.settling_ok)?;
+    dict.set_item("settling_s", s.override_.settling_s.map(|(taken, _)| taken))?;
+    dict.set_item("settling_allowed_s", s.override_.settling_s.map(|(_, allowed)| allowed))?;
     dict.set_item("lag_max_mm", s.lag_max_mm)?;
     dict.set_item("missing_mm", s.missing_mm)?;
     dict.set_item("reached_line", s.reached_line)?;

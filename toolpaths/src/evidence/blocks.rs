@@ -4,8 +4,10 @@ use super::At;
 use crate::path::{Numbered, Path};
 use crate::sequence::MAX_AXES;
 
-/// Regressors of the radial deviation on a circle at angle a: cos a, sin a, 1, cos² a.
-pub const HARMONICS: usize = 4;
+/// Regressors of the radial deviation on a circle at angle a: cos a, sin a, 1.
+pub const HARMONICS: usize = 3;
+/// Regressors of v² on a conic about a circle, in its radii from its centre: u², u, v, 1.
+pub const CONIC: usize = 4;
 /// Fits that are kept, the furthest off.
 const KEPT: usize = 64;
 /// A block is off the path when this share of its samples is, and there are at least so many.
@@ -35,6 +37,12 @@ pub struct BlockFit {
     pub normal: [f64; HARMONICS * (HARMONICS + 1) / 2],
     pub right: [f64; HARMONICS],
     pub radial_squares: f64,
+    /// The same points as a conic (an ellipse along the axes), which tells scales of the two axes apart.
+    pub conic_normal: [f64; CONIC * (CONIC + 1) / 2],
+    pub conic_right: [f64; CONIC],
+    pub conic_squares: f64,
+    /// mm per axis unit on this block.
+    pub scales: [f64; MAX_AXES],
 }
 
 impl Default for BlockFit {
@@ -52,25 +60,38 @@ impl Default for BlockFit {
             normal: [0.0; HARMONICS * (HARMONICS + 1) / 2],
             right: [0.0; HARMONICS],
             radial_squares: 0.0,
+            conic_normal: [0.0; CONIC * (CONIC + 1) / 2],
+            conic_right: [0.0; CONIC],
+            conic_squares: 0.0,
+            scales: [0.0; MAX_AXES],
         }
     }
 }
 
 impl BlockFit {
-    fn add_radial(&mut self, weight: f64, radial: f64, [cos, sin]: [f64; 2]) {
-        let x = [cos, sin, 1.0, cos * cos];
-        let mut k = 0;
-        for i in 0..HARMONICS {
-            for j in i..HARMONICS {
-                self.normal[k] += weight * x[i] * x[j];
-                k += 1;
-            }
-            self.right[i] += weight * x[i] * radial;
-        }
+    /// A point at `u`, `v` radii from the centre of a circle.
+    fn add_round(&mut self, weight: f64, radius: f64, [u, v]: [f64; 2]) {
+        let rho = u.hypot(v);
+        let radial = (rho - 1.0) * radius;
+        add(&mut self.normal, &mut self.right, weight, [u / rho, v / rho, 1.0], radial);
         self.radial_squares += weight * radial * radial;
+        add(&mut self.conic_normal, &mut self.conic_right, weight, [u * u, u, v, 1.0], v * v);
+        self.conic_squares += weight * v.powi(4);
     }
     fn mean_square(&self) -> f64 {
         if self.weight > 0.0 { self.squares / self.weight } else { 0.0 }
+    }
+}
+
+/// Adds one observation to normal equations (upper triangle, row by row).
+fn add<const N: usize>(normal: &mut [f64], right: &mut [f64; N], weight: f64, x: [f64; N], value: f64) {
+    let mut k = 0;
+    for i in 0..N {
+        for j in i..N {
+            normal[k] += weight * x[i] * x[j];
+            k += 1;
+        }
+        right[i] += weight * x[i] * value;
     }
 }
 
@@ -88,9 +109,10 @@ pub struct AxisShare {
     pub ev: f64,
     /// Squares of all offsets, whatever their axis.
     pub squares: f64,
-    /// Largest offset in this axis and its block.
+    /// Largest offset in this axis, its block, and mm per axis unit there.
     pub most: f64,
     pub at: Numbered,
+    pub scale: f64,
 }
 
 impl AxisShare {
@@ -178,6 +200,10 @@ impl Off {
         if !at.deviation.is_finite() || along.abs() > ASLANT * at.deviation {
             return;
         }
+        let scales = &path.scales[usize::from(segment.scale) * N..usize::from(segment.scale) * N + N];
+        if fit.summed == 0 {
+            fit.scales[..N].copy_from_slice(scales);
+        }
         fit.summed += 1;
         let share = at.place.t / segment.length;
         let weight = (4.0 * share * (1.0 - share)).powi(2);
@@ -192,14 +218,13 @@ impl Off {
             share.ev += e * tangent[a] * at.speed;
             share.squares += at.deviation * at.deviation;
             if e.abs() > share.most {
-                (share.most, share.at) = (e.abs(), path.numbered(at.place.segment));
+                (share.most, share.at, share.scale) = (e.abs(), path.numbered(at.place.segment), scales[a]);
             }
         }
         if let Some(c) = shape.circle.filter(|c| c.is_plane()) {
-            let (dx, dy) = (at.x[c.c1] - c.center[0], at.x[c.c2] - c.center[1]);
-            let rho = dx.hypot(dy);
+            let off = [at.x[c.c1] - c.center[0], at.x[c.c2] - c.center[1]];
             fit.circle = Some((c.c1, c.c2, c.radius));
-            fit.add_radial(weight, rho - c.radius, [dx / rho, dy / rho]);
+            fit.add_round(weight, c.radius, off.map(|d| d / c.radius));
         }
     }
 }

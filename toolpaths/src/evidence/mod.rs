@@ -9,7 +9,7 @@ mod exchange;
 mod rounds;
 
 pub use axes::{AxisFit, HISTOGRAM_BINS, MOTION, bin_edge};
-pub use blocks::{AxisShare, BlockFit, HARMONICS};
+pub use blocks::{AxisShare, BlockFit, CONIC, HARMONICS};
 pub use exchange::{Exchange, ExchangeKind};
 pub use rounds::{Round, RoundBin};
 
