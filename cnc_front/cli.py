@@ -54,6 +54,12 @@ def _positive(highest: float, what: str) -> Callable[[str], float]:
     return read
 
 
+def _port(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) < 65536):
+        raise argparse.ArgumentTypeError(f"'{text}' is no port (0 to 65535)")
+    return int(text)
+
+
 def _speed(text: str) -> float:
     return 0.0 if text == "max" else _positive(1001.0, "simulation speed (1 to 1000, or max)")(text)
 
@@ -153,6 +159,7 @@ def _add_tui(commands: Any, parents: list[Parser]) -> None:
     tui.add_argument("--theme", choices=("dark", "light", "ansi", "mono"), help="colours")
     tui.add_argument("--keymap", metavar="FILE", help="other keys (default: CNC_FRONT_KEYMAP)")
     tui.add_argument("--keys", action="store_true", help="print all keys, as a keymap file")
+    tui.add_argument("--view", metavar="PORT", type=_port, help="mirror the screen at localhost, read-only (0: any)")
     tui.add_argument("--no-mouse", action="store_true", help="leave the mouse to the terminal, for copying")
 
 

@@ -34,6 +34,7 @@ from tui.plot import PathPicture
 from tui.program import ProgramView, find_block, find_text
 from tui.rows import Row
 from tui.values import Shown
+from tui.viewer import Viewer
 from tui.widgets import Body, Rows
 from tui.words import Words
 
@@ -73,8 +74,10 @@ class Terminal(MotionKeys):
         settle_s: float = SETTLE_S,
         archive: Archive | None = None,
         keys: Sequence[Key] = KEYS,
+        viewer: Viewer | None = None,
     ) -> None:
         """`archive`: the history (None: nothing is kept). `keys`: the table with what a keymap changed.
+        `viewer`: mirrors the screen in a browser.
 
         `paced`: draws by itself at 10 Hz; tests call `tick` instead. `clock`: the time of day."""
         super().__init__(ansi_color=look.is_ansi)
@@ -86,7 +89,7 @@ class Terminal(MotionKeys):
             self.theme = theme.name
         else:
             self.theme = "ansi-dark"
-        self.keys_table = keys
+        self.keys_table, self.viewer = keys, viewer
         self._bind(keys)
         self.engine, self.look, self.words, self.clock = engine, look, words, clock
         self._first_job, self.paced, self.settle_s = job, paced, settle_s
@@ -125,6 +128,8 @@ class Terminal(MotionKeys):
     def on_mount(self) -> None:
         """First frame, first job."""
         self.screen.set_focus(None)
+        if self.viewer is not None:
+            self.say(self.words("viewed", port=self.viewer.port))
         if self._first_job is not None:
             self.load(self._first_job)
         if self.paced:
@@ -180,6 +185,8 @@ class Terminal(MotionKeys):
             body.put(self.page.visible(shown, width, height - FRAME - (self.page.field is not None)))
         line = message_row(text, getattr(self.look, style), self.look, self.words, more, width)
         base.query_one("#message", Rows).put([line])
+        if self.viewer is not None and self.viewer.is_watched:
+            self.viewer.show(self.screen._compositor.render_strips())
         base.query_one("#keys", Rows).put([key_row(self.look, self.words, width, self.keys_table)])
 
     def _header(self, shown: Shown, width: int) -> Strip:

@@ -17,6 +17,7 @@ from tui.app import Terminal
 from tui.archive import Archive
 from tui.keys import KEYS, Key
 from tui.look import Look, choose_look
+from tui.viewer import Viewer
 from tui.words import Words
 
 #: After the terminal was closed: longest wait for standstill, and for a tidy end, s.
@@ -40,12 +41,20 @@ def run_terminal(options: argparse.Namespace, language: str) -> int:
     keys = keys_of(options)
     engine = make_engine(options, language)
     archive = Archive(place(options.history), language)
+    viewer = None
     try:
-        terminal = Terminal(engine, look, Words(language), job=options.job, archive=archive, keys=keys)
+        if options.view is not None:
+            if hasattr(signal, "SIGPIPE"):
+                signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # a page that is closed ends nothing
+            colours = (look.background, look.foreground)
+            viewer = Viewer(options.view, Words(language)("view_note"), language, colours)
+        terminal = Terminal(engine, look, Words(language), job=options.job, archive=archive, keys=keys, viewer=viewer)
         hold_when_hung_up(engine, terminal.leave_from_thread)
         terminal.run(mouse=not options.no_mouse)
         return int(Exit.DONE if terminal.return_code == 0 else Exit.STOPPED)
     finally:
+        if viewer is not None:
+            viewer.close()
         engine.close()
         archive.close()
 

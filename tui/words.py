@@ -204,6 +204,11 @@ TEXTS: dict[str, tuple[str, str]] = {
         "ACTION = KEY, KEY; only lines that change something are needed. Space and Esc always hold.",
         "AKTION = TASTE, TASTE; nur geänderte Zeilen sind nötig. Leertaste und Esc halten immer an.",
     ),
+    "view_note": (
+        "cnc-front, the operator's screen: for looking only. It moves nothing.",
+        "cnc-front, der Schirm des Bedieners: nur zum Zusehen. Hier bewegt sich nichts.",
+    ),
+    "viewed": ("Browser view: http://localhost:{port}/", "Browseransicht: http://localhost:{port}/"),
     "plain_hello": (
         "Line mode: help lists the commands; an empty line holds.",
         "Zeilenmodus: hilfe nennt die Befehle; eine leere Zeile hält an.",
