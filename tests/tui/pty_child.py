@@ -7,6 +7,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import tui.app
 from cnc_front.engine import Snapshot, State
 from tests.tui.fake import FakeEngine
 from tui.app import Terminal
@@ -33,6 +34,7 @@ class Logged(FakeEngine):
 
 
 def main() -> None:
+    tui.app.REFRESH_S = 0.05  # drawing at 20 Hz, the most that the guide asks for
     engine = Logged()
     engine.run_half()
     terminal = Terminal(engine, make_look("dark", "quadrant"), Words(), job="bracket_07.nc")

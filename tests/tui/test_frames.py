@@ -55,8 +55,9 @@ def test_glyphs(glyphs: str) -> None:
 
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("language", ["en", "de"])
+@pytest.mark.parametrize("theme", ["dark", "mono"])
 @pytest.mark.parametrize("page", ["help", "alarms", "service", "jobs", "empty", "question"])
-def test_other_pages(page: str, language: str, size: str, tmp_path, monkeypatch) -> None:  # type: ignore[no-untyped-def]
+def test_other_pages(page: str, language: str, size: str, theme: str, tmp_path, monkeypatch) -> None:  # type: ignore[no-untyped-def]
     monkeypatch.chdir(tmp_path)
     (tmp_path / "cam.nc").touch()
     (tmp_path / "parts").mkdir()
@@ -73,7 +74,7 @@ def test_other_pages(page: str, language: str, size: str, tmp_path, monkeypatch)
             await stage.press(keys[page])
         same_frame(f"{page}-{size}-{language}", await stage.frame())
 
-    play(script, size=SIZES[size], language=language)
+    play(script, size=SIZES[size], language=language, theme=theme)
 
 
 @pytest.mark.parametrize("state", list(State))

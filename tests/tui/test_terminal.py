@@ -116,7 +116,7 @@ def test_hold_is_quick_while_everything_moves(tmp_path: Path) -> None:
             w.type(" ")
             taken.append(w.shows("HOLD"))
             w.press("r", "RUNNING")
-        # within 100 ms (ui-guide section 3); the best of some, since other work may hold this process up
+        # within 100 ms while drawing at 20 Hz (ui-guide section 3); the best, since other work may hold this process up
         assert min(taken) < 0.1, taken
 
 
