@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import io
+import logging
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -98,14 +100,13 @@ def _collected(pieces: Iterator[Piece]) -> Drawing:
     for kind, numbers in pieces:
         if len(kinds) >= MOST_PIECES:
             raise GeometryError(f"has more than {MOST_PIECES} lines and arcs")
+        if not all(abs(number) <= FARTHEST_MM for number in numbers):
+            raise GeometryError(f"reaches farther than {FARTHEST_MM:g} mm from its origin; check its unit")
         kinds.append(kind)
         rows.append((*numbers, *(0.0,) * (9 - len(numbers))))
     if not kinds:
         raise GeometryError("holds no contour (lines, arcs, circles, polylines, curves)")
-    data = np.array(rows, dtype=np.float64)
-    if not np.isfinite(data).all() or np.abs(data).max() > FARTHEST_MM:
-        raise GeometryError(f"reaches farther than {FARTHEST_MM:g} mm from its origin; check its unit")
-    return Drawing(np.array(kinds, dtype=np.uint8), data)
+    return Drawing(np.array(kinds, dtype=np.uint8), np.array(rows, dtype=np.float64))
 
 
 def _chain(points: Iterable[tuple[float, float]]) -> Iterator[Piece]:
@@ -122,6 +123,7 @@ def _chain(points: Iterable[tuple[float, float]]) -> Iterator[Piece]:
 def _dxf(data: bytes, scale: float | None, layer: str | None, skipped: Counter[str]) -> Iterator[Piece]:
     from ezdxf import recover
 
+    logging.getLogger("ezdxf").setLevel(logging.CRITICAL)  # what it mended is not ours to tell
     document, _ = recover.read(io.BytesIO(data))
     if scale is None:
         unit = int(document.header.get("$INSUNITS", 0))
@@ -211,21 +213,36 @@ def _svg_piece(segment: Any, place: Any, factor: float) -> Iterator[Piece]:
         if sweep:
             yield ARC, (cx, cy, math.hypot(sx - cx, sy - cy), math.atan2(sy - cy, sx - cx), sweep)
         return
-    bend = 0.0  # most of the second derivative over the parameter
     if isinstance(segment, Arc):
         bend = max(segment.rx, segment.ry) * float(segment.sweep) ** 2
-    elif isinstance(segment, CubicBezier):
-        a, b, c, d = (complex(p) for p in (segment.start, segment.control1, segment.control2, segment.end))
-        bend = 6 * max(abs(a - 2 * b + c), abs(b - 2 * c + d))
-    elif isinstance(segment, QuadraticBezier):
-        a, b, c = (complex(p) for p in (segment.start, segment.control, segment.end))
-        bend = 2 * abs(a - 2 * b + c)
-    count = max(1, math.ceil(math.sqrt(bend * factor / (8 * FLATTEN_MM))))
-    if count > MOST_PIECES:
-        raise GeometryError(f"has a curve of more than {MOST_PIECES} chords; check its unit")
-    if isinstance(segment, Arc):  # by its own angle, in equal steps
+        count = _chords(bend * factor, segment.rx * factor, segment.ry * factor)
+        # by its own angle, in equal steps
         first, step = segment.get_start_t(), segment.sweep / count
-        between = (segment.point_at_t(first + k * step) for k in range(1, count))
-    else:
-        between = (segment.point(k / count) for k in range(1, count))
-    yield from _chain(place(point) for point in (segment.start, *between, segment.end))
+        between = [segment.point_at_t(first + k * step) for k in range(1, count)]
+        yield from _chain(place(point) for point in (segment.start, *between, segment.end))
+        return
+    controls = [segment.start, segment.end]
+    if isinstance(segment, CubicBezier):
+        controls[1:1] = [segment.control1, segment.control2]
+    elif isinstance(segment, QuadraticBezier):
+        controls[1:1] = [segment.control]
+    yield from _chain(_bezier(np.array([place(point) for point in controls])))
+
+
+def _chords(bend: float, *reach: float) -> int:
+    """Chords that keep the tolerance on a curve whose second derivative over its parameter is at most `bend`."""
+    if not max(reach) <= FARTHEST_MM:
+        raise GeometryError(f"reaches farther than {FARTHEST_MM:g} mm from its origin; check its unit")
+    return min(max(1, math.ceil(math.sqrt(bend / (8 * FLATTEN_MM)))), MOST_PIECES)
+
+
+def _bezier(controls: NDArray[np.float64]) -> list[tuple[float, float]]:
+    """Points of a Bezier curve of degree 1, 2 or 3 in equal steps of its parameter, by de Casteljau."""
+    degree = len(controls) - 1
+    second = np.diff(controls, 2, axis=0) * degree * (degree - 1)
+    bend = float(np.hypot(second[:, 0], second[:, 1]).max(initial=0.0))
+    t = np.linspace(0.0, 1.0, _chords(bend, float(np.abs(controls).max())) + 1)[:, None]
+    rows = [np.broadcast_to(control, (len(t), 2)) for control in controls]
+    while len(rows) > 1:
+        rows = [a * (1 - t) + b * t for a, b in pairwise(rows)]
+    return [(float(x), float(y)) for x, y in rows[0].tolist()]

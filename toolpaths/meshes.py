@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import zipfile
 from typing import Any
 
@@ -32,9 +33,11 @@ def read_mesh(data: bytes, kind: str, scale: float = 1.0) -> Triangles:
     """
     import trimesh
 
+    logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # what it did not like comes with the exception
     _check_size(data, kind)
     try:
-        loaded: Any = trimesh.load_mesh(io.BytesIO(data), file_type=kind, process=True)
+        with np.errstate(all="ignore"):  # numbers that are none are refused below
+            loaded: Any = trimesh.load_mesh(io.BytesIO(data), file_type=kind, process=True)
     except Exception as error:  # a reader of foreign files may raise anything
         raise GeometryError(f"cannot be read as {kind.upper()}: {error or type(error).__name__}") from None
     faces = getattr(loaded, "faces", None)
@@ -63,7 +66,7 @@ def _check_size(data: bytes, kind: str) -> None:
         return
     try:
         unpacked = sum(info.file_size for info in zipfile.ZipFile(io.BytesIO(data)).infolist())
-    except (zipfile.BadZipFile, ValueError, OSError) as error:
+    except Exception as error:  # a reader of foreign files may raise anything
         raise GeometryError(f"cannot be read as 3MF: {error}") from None
     if unpacked > UNPACKED_BYTES:
         raise GeometryError(f"unpacks to more than {UNPACKED_BYTES >> 20} MiB")

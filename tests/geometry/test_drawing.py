@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import math
+import time
 
 import ezdxf
 import numpy as np
@@ -119,6 +121,15 @@ def test_nonsense_is_refused(kind: str, data: bytes) -> None:
         read_drawing(data, kind)
 
 
+@pytest.mark.parametrize("far", ["99999999", "-1e300", "1e9"])
+def test_a_curve_to_far_away_is_refused_at_once(far: str) -> None:
+    text = f'<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0 C0 9 {far} 5 9 9 A9 {far} 0 0 1 3 3"/></svg>'
+    begun = time.monotonic()
+    with pytest.raises(GeometryError, match="unit"):
+        read_drawing(text.encode(), "svg")
+    assert time.monotonic() - begun < 5
+
+
 def test_coordinates_that_are_no_lengths_are_refused() -> None:
     document = ezdxf.new(units=4)
     document.modelspace().add_line((0, 0), (1e9, 0))
@@ -183,6 +194,15 @@ def test_meshes_that_are_no_bodies_are_refused(change: str) -> None:
 def test_nonsense_is_no_mesh(kind: str, data: bytes) -> None:
     with pytest.raises(GeometryError):
         read_mesh(data, kind)
+
+
+def test_a_damaged_3mf_is_refused() -> None:
+    data = bytearray(exported(trimesh.creation.box(), "3mf"))
+    for place in range(0, len(data), 7):
+        damaged = data.copy()
+        damaged[place] ^= 0x5A
+        with contextlib.suppress(GeometryError):
+            read_mesh(bytes(damaged), "3mf")
 
 
 def test_the_section_of_a_body() -> None:
