@@ -110,6 +110,8 @@ def measured(path: Path, watched_s: float) -> dict[str, float]:
             break
     rows = os.read(reader, 1 << 16).decode().splitlines()
     os.waitpid(pid, 0)
+    if not rows:
+        raise SystemExit("the terminal ended without figures")
     return {name: float(value) for name, value in (row.split() for row in rows)}
 
 
