@@ -1,18 +1,20 @@
-"""The screen of a rw_SymPas job: source with the current line, breakpoints, variables, tasks, output.
+"""The screen of rw_SymPas jobs: one task with variables and output, or up to four side by side.
 
-It draws what a session says and passes keys on; machine time passes only while a task runs or steps.
+It draws what a session says and passes keys on; machine time passes only while a task or an axis is at work. Keys mean
+what they mean on the other screens: Space holds, `r` goes on, `t` steps.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from rich.text import Text
 from textual.app import App, ComposeResult
-from textual.binding import BindingType
-from textual.containers import Horizontal, Vertical
+from textual.binding import Binding, BindingType
+from textual.containers import Grid, Horizontal, Vertical
 from textual.widgets import Static
 
+from tui import debug_panes as panes
 from tui.look import Look
 from tui.words import Words
 
@@ -21,36 +23,41 @@ if TYPE_CHECKING:
 
 #: Frames and machine time a frame, s: as fast as life.
 FRAME_S = 0.05
-#: What a step may take before the screen is drawn again, s of machine time.
-STEP_S = 1.0
 
 
 class Debugger(App[None]):
     """Steps through the CNC tasks of a job."""
 
     CSS = """
-    Horizontal { height: 1fr; }
+    Static { text-wrap: nowrap; text-overflow: ellipsis; }
+    #one { height: 1fr; }
     #source { width: 3fr; height: 100%; }
     #side { width: 2fr; min-width: 26; }
-    #variables { height: 2fr; }
-    #tasks { height: 6; }
-    #output { height: 1fr; }
+    #variables { height: 1fr; }
+    #tasks { height: 4; }
+    #output { height: 4; }
     #keys, #head { height: 1; }
+    #all { height: 1fr; grid-size: 2; grid-gutter: 0 1; }
+    .task { height: 100%; }
     """
     ENABLE_COMMAND_PALETTE = False
     BINDINGS: ClassVar[list[BindingType]] = [
-        ("s", "step", ""),
-        ("o", "over", ""),
-        ("c", "go", ""),
-        ("a", "all", ""),
-        ("p", "pause", ""),
+        Binding("space,escape", "hold", "", priority=True),
+        ("r", "resume", ""),
+        ("t", "step('into')", ""),
+        ("T", "step('over')", ""),
+        ("U", "step('out')", ""),
+        ("R", "step('on')", ""),
         ("b", "toggle_break", ""),
+        ("c", "current", ""),
+        ("v", "view", ""),
+        Binding("tab", "next_task", "", priority=True),
         ("up", "move(-1)", ""),
         ("down", "move(1)", ""),
         ("pageup", "move(-10)", ""),
         ("pagedown", "move(10)", ""),
-        ("t", "next_task", ""),
-        ("q", "quit", ""),
+        ("question_mark,f1", "help", ""),
+        Binding("ctrl+q", "quit", "", priority=True),
     ]
 
     def __init__(self, session: DebugSession, look: Look, words: Words) -> None:
@@ -59,19 +66,26 @@ class Debugger(App[None]):
         self.number = session.tasks[0].number
         #: line under the cursor; follows the task until it is moved
         self.cursor, self.follows = 1, True
+        self.side_by_side, self.helps = False, False
+        self.message = ""
 
     def compose(self) -> ComposeResult:
         yield Static(id="head")
-        with Horizontal():
+        with Horizontal(id="one"):
             yield Static(id="source")
             with Vertical(id="side"):
                 yield Static(id="variables")
-                yield Static(id="tasks")
-                yield Static(id="output")
+        with Grid(id="all"):
+            for task in self.session.tasks:
+                yield Static(id=f"task{task.number}", classes="task")
+        yield Static(id="tasks")
+        yield Static(id="output")
         yield Static(id="keys")
 
     def on_mount(self) -> None:
         self.screen.styles.background = self.look.background or None
+        self.query_one("#tasks").styles.height = len(self.session.tasks)
+        self._show_view()
         self.session.advance(0.0)
         self.draw()
         self.set_interval(FRAME_S, self.tick)
@@ -81,35 +95,41 @@ class Debugger(App[None]):
 
     # ---- keys
 
-    def action_step(self) -> None:
-        self.session.step(self.number)
-        self._until_stepped()
+    def action_hold(self) -> None:
+        """Brakes axes along their path and stops the tasks."""
+        self.session.hold()
+        self._say("debug_held")
 
-    def action_over(self) -> None:
-        self.session.step(self.number, over=True)
-        self._until_stepped()
+    def action_resume(self) -> None:
+        """Goes on: behind a hold where everything was, else all tasks."""
+        if self.session.held:
+            self.session.resume()
+        else:
+            for task in self.session.tasks:
+                self.session.go(task.number)
+        self._say("")
 
-    def _until_stepped(self) -> None:
-        """A step that does not wait is done at once; one that waits goes on frame by frame."""
+    def action_step(self, what: Literal["into", "over", "out", "on"]) -> None:
+        """A step, or the chosen task alone goes on; one that takes time goes on frame by frame."""
+        if self.session.held:
+            return self._say("debug_resume_first")
+        if what == "on":
+            self.session.go(self.number)
+        else:
+            self.session.views[self.number].ask(what)
         self.session.advance(FRAME_S)
-        self.follows = True
+        self._say("")
+
+    def _say(self, message: str) -> None:
+        self.message, self.follows = self.words(message) if message else "", True
         self.draw()
-
-    def action_go(self) -> None:
-        self.session.go(self.number)
-        self.follows = True
-
-    def action_all(self) -> None:
-        for task in self.session.tasks:
-            self.session.go(task.number)
-        self.follows = True
-
-    def action_pause(self) -> None:
-        self.session.pause(self.number)
-        self.follows = True
 
     def action_toggle_break(self) -> None:
         self.session.toggle_break(self.number, self.cursor)
+        self.draw()
+
+    def action_current(self) -> None:
+        self.follows = True
         self.draw()
 
     def action_move(self, by: int) -> None:
@@ -120,74 +140,79 @@ class Debugger(App[None]):
     def action_next_task(self) -> None:
         numbers = [task.number for task in self.session.tasks]
         self.number = numbers[(numbers.index(self.number) + 1) % len(numbers)]
-        self.follows = True
+        self.action_current()
+
+    def action_view(self) -> None:
+        """One task with its variables, or all side by side."""
+        self.side_by_side = not self.side_by_side
+        self._show_view()
+        self.call_after_refresh(self.draw)
+
+    def action_help(self) -> None:
+        self.helps = not self.helps
         self.draw()
+
+    def _show_view(self) -> None:
+        self.query_one("#one").display = not self.side_by_side
+        self.query_one("#all").display = self.side_by_side
+        self.query_one("#tasks").display = not self.side_by_side  # each says it itself there
 
     # ---- drawing
 
     def tick(self) -> None:
-        """A frame: time passes while some task is at work."""
+        """A frame: time passes while some task or axis is at work."""
         states = [self.session.state(task).state for task in self.session.tasks]
-        if any(state in ("runs", "waits") for state in states):
+        works = any(state in ("runs", "waits") for state in states) and not self.session.held
+        if works or self.session.travels:
             self.session.advance(FRAME_S)
             self.draw()
 
     def draw(self) -> None:
         """Everything anew: a screen is a few dozen lines."""
-        task = next(t for t in self.session.tasks if t.number == self.number)
-        state = self.session.state(task)
+        session, look, words = self.session, self.look, self.words
+        chosen = next(t for t in session.tasks if t.number == self.number)
+        state = session.state(chosen)
         if self.follows and state.line:
             self.cursor = state.line
-        word = self.words(f"task_{state.state}")
-        head = f" {state.name}  {self.words('cnc_task')} {state.number}: {word} {state.error}"
-        self._put("head", Text(f"{head}  {self.session.machine_time_s:.3f} s", style=self.look.bar))
-        self._put("source", self.source(state.line))
-        self._put("variables", self.variables())
-        self._put("tasks", self.tasks())
-        self._put("output", self.output())
-        self._put("keys", Text(self.words("debug_keys"), style=self.look.bar, no_wrap=True))
+        hold = f"  = {words('debug_hold')}" if session.held else ""
+        word = f"{panes.SYMBOLS[state.state]} {words(f'task_{state.state}')} {state.error}"
+        what = f"{words('cnc_task')} {state.number}: {word}{hold}"
+        head = f" [SIM]  {state.name}  {what}  {session.run.machine_time_s:.3f} s"
+        self._put("head", Text(f"{head}  {self.message}", style=look.hold if session.held else look.bar, no_wrap=True))
+        if self.side_by_side:
+            for task in session.tasks:
+                self._put(f"task{task.number}", self._pane(task.number))
+        else:
+            height = max(1, self.query_one("#source").size.height)
+            text = (
+                self.help()
+                if self.helps
+                else panes.source(session, self.number, look, (state.line, self.cursor), height)
+            )
+            self._put("source", text)
+            self._put("variables", panes.variables(session, self.number, look))
+        self._put("tasks", panes.tasks(session, self.number, look, words))
+        self._put("output", panes.output(session, look, self.query_one("#output").size.height))
+        self._put("keys", Text(words("debug_keys"), style=look.bar, no_wrap=True))
 
     def _put(self, name: str, text: Text) -> None:
         self.query_one(f"#{name}", Static).update(text)
 
-    def source(self, current: int) -> Text:
-        """The lines around the cursor: breakpoint, number, text; the line that comes next stands out."""
-        lines = self.session.lines(self.number)
-        height = max(1, self.query_one("#source").size.height)
-        first = max(1, min(self.cursor - height // 2, len(lines) - height + 1))
-        breaks = self.session.breaks[self.number]
-        out = Text(no_wrap=True, overflow="ellipsis")
-        for number in range(first, min(len(lines), first + height - 1) + 1):
-            mark = "*" if number in breaks else " "
-            arrow = ">" if number == current else " "
-            style = self.look.text
-            if number == current:
-                style = self.look.target
-            elif number == self.cursor:
-                style = self.look.cursor
-            out.append(f"{mark}{arrow}{number:>5}  {lines[number - 1]}\n", style=style)
-        return out
+    def _pane(self, number: int) -> Text:
+        """One of the tasks side by side: its state, then its source."""
+        task = next(t for t in self.session.tasks if t.number == number)
+        state = self.session.state(task)
+        chosen = number == self.number
+        head = panes.task_line(state, self.look, self.words, chosen=chosen)
+        cursor = self.cursor if chosen else max(1, state.line)
+        height = max(1, self.query_one(f"#task{number}").size.height - 1)
+        text = (
+            self.help()
+            if self.helps and chosen
+            else panes.source(self.session, number, self.look, (state.line, cursor), height)
+        )
+        return head.append("\n").append_text(text)
 
-    def variables(self) -> Text:
-        """Variables of the routine being executed, then those of the program."""
-        calls = " > ".join(self.session.calls(self.number)) or "-"
-        out = Text(f"{calls}\n", style=self.look.dim, no_wrap=True, overflow="ellipsis")
-        for name, is_global, value in self.session.variables(self.number):
-            shown = f"{value:.9g}" if isinstance(value, float) else str(value)
-            out.append(f" {name} = {shown}\n", style=self.look.dim if is_global else self.look.strong)
-        return out
-
-    def tasks(self) -> Text:
-        """One line a task."""
-        out = Text(no_wrap=True, overflow="ellipsis")
-        for task in self.session.tasks:
-            state = self.session.state(task)
-            style = self.look.strong if state.number == self.number else self.look.text
-            word = self.words(f"task_{state.state}")
-            out.append(f"{state.number} {state.name} {word} {state.line} {state.error}\n", style=style)
-        return out
-
-    def output(self) -> Text:
-        """The last lines that the tasks wrote."""
-        height = max(1, self.query_one("#output").size.height)
-        return Text("\n".join(self.session.output[-height:]), style=self.look.text, no_wrap=True, overflow="ellipsis")
+    def help(self) -> Text:
+        """All keys."""
+        return Text(self.words("debug_help"), style=self.look.text)

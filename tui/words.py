@@ -10,9 +10,26 @@ TEXTS: dict[str, tuple[str, str]] = {
     "task_halted": ("halted at writeln", "hält bei writeln"),
     "task_rests": ("at rest", "in Ruhe"),
     "task_error": ("RUNTIME ERROR", "LAUFZEITFEHLER"),
+    "debug_hold": ("HOLD", "HALT"),
+    "debug_held": ("r goes on", "r fährt fort"),
+    "debug_resume_first": ("held: r first", "Halt: erst r"),
+    "debug_line": ("line", "Zeile"),
+    "events": ("events", "Ereignisse"),
     "debug_keys": (
-        " s step  o over  c go  a all go  p pause  b breakpoint  up/down  t task  q quit",
-        " s Schritt o darüber c weiter a alle p Pause b Haltepunkt auf/ab t Task q Ende",
+        " SPACE Hold  r Go on  t Step  T over  U out  b Break  v View  Tab Task  F1 Help",
+        " LEER Halt r weiter t Schritt T darüber U hinaus b Haltep. v Sicht Tab Task F1",
+    ),
+    "debug_help": (
+        " Space Esc   hold: axes brake on the path,\n             tasks stop; r goes on\n"
+        " r           all tasks go on\n R           this task goes on\n t           step, into routines\n"
+        " T           step over routines\n U           out of the routine\n b           breakpoint on/off\n"
+        " up down     cursor (PgUp, PgDn)\n c           back to the current line\n Tab         next task\n"
+        " v           one task / side by side\n ^Q          quit\n",
+        " Leer Esc    Halt: Achsen bremsen auf der Bahn,\n             Tasks stehen; r fährt fort\n"
+        " r           alle Tasks weiter\n R           dieser Task weiter\n t           Schritt, in Routinen hinein\n"
+        " T           Schritt, über Routinen hinweg\n U           aus der Routine hinaus\n"
+        " b           Haltepunkt ein/aus\n auf ab      Marke (Bild auf, ab)\n c           zur laufenden Zeile\n"
+        " Tab         nächster Task\n v           ein Task / nebeneinander\n ^Q          Ende\n",
     ),
     "actual": ("ACTUAL", "IST"),
     "to_go": ("TO GO", "RESTWEG"),

@@ -68,12 +68,12 @@ def marked(app: Debugger) -> list[str]:
 
 def test_steps_over_and_into(tmp_path: Path) -> None:
     async def play(pilot: Pilot[None], app: Debugger) -> None:
-        await pilot.press("s", "s")
+        await pilot.press("t", "t")
         assert "mean := Half(sum);" in marked(app)[0] and "sum = 6" in shown(app, "variables")
-        await pilot.press("s")
+        await pilot.press("t")
         assert "Half := n / 2.0;" in marked(app)[0]
         assert "main > Half" in shown(app, "variables") and "n = 6" in shown(app, "variables")
-        await pilot.press("s")
+        await pilot.press("t")
         assert "writeln" in marked(app)[0] and "mean = 3" in shown(app, "variables")
 
     played(tmp_path, play)
@@ -81,7 +81,7 @@ def test_steps_over_and_into(tmp_path: Path) -> None:
 
 def test_a_step_over_passes_the_routine(tmp_path: Path) -> None:
     async def play(pilot: Pilot[None], app: Debugger) -> None:
-        await pilot.press("s", "s", "o")
+        await pilot.press("t", "t", "T")
         assert "writeln" in marked(app)[0]
 
     played(tmp_path, play)
@@ -89,13 +89,13 @@ def test_a_step_over_passes_the_routine(tmp_path: Path) -> None:
 
 def test_breakpoints_stop_the_task(tmp_path: Path) -> None:
     async def play(pilot: Pilot[None], app: Debugger) -> None:
-        await pilot.press("s", *["down"] * 2, "b")
+        await pilot.press("t", *["down"] * 2, "b")
         line = app.cursor
         assert [row[2:7].strip() for row in shown(app, "source").splitlines() if row[0] == "*"] == [str(line)]
-        await pilot.press("c")
+        await pilot.press("R")
         await pilot.pause(0.3)
         assert app.session.state(app.session.tasks[0]).line == line
-        await pilot.press("b", "c")
+        await pilot.press("b", "R")
         await pilot.pause(2.0)
         assert "at rest" in shown(app, "head") and "0: mean 3.0" in shown(app, "output")
 
@@ -104,16 +104,23 @@ def test_breakpoints_stop_the_task(tmp_path: Path) -> None:
 
 def test_tasks_side_by_side(tmp_path: Path) -> None:
     async def play(pilot: Pilot[None], app: Debugger) -> None:
-        await pilot.press("t")
+        await pilot.press("tab")
         assert "other.src" in shown(app, "head") and "CNC task 2" in shown(app, "head")
-        await pilot.press("a")
+        await pilot.press("r")
         await pilot.pause(0.5)
         assert app.session.mcu.rdci(5) > 0
-        await pilot.press("p")
-        await pilot.pause(0.5)
+        await pilot.press("space")
         seen = app.session.mcu.rdci(5)
-        await pilot.pause(0.3)
-        assert app.session.mcu.rdci(5) <= seen + 1 and "before a step" in shown(app, "tasks")
+        await pilot.pause(0.5)
+        assert app.session.mcu.rdci(5) == seen and "HOLD" in shown(app, "head")
+        await pilot.press("t")
+        assert app.session.mcu.rdci(5) == seen and "r first" in shown(app, "head"), "a step does not end a hold"
+        await pilot.press("r")
+        await pilot.pause(0.5)
+        assert app.session.mcu.rdci(5) > seen and "HOLD" not in shown(app, "head")
+        await pilot.press("v")
+        await pilot.pause(0.2)
+        assert "mean := Half(sum);" in shown(app, "task0") and "CI5 := CI5 + 1;" in shown(app, "task2")
 
     played(tmp_path, play)
 
@@ -121,8 +128,8 @@ def test_tasks_side_by_side(tmp_path: Path) -> None:
 @pytest.mark.parametrize("theme", ["dark", "mono"])
 def test_german_and_mono(theme: str, tmp_path: Path) -> None:
     async def play(pilot: Pilot[None], app: Debugger) -> None:
-        await pilot.press("s")
-        assert "vor einem Schritt" in shown(app, "head") and "Haltepunkt" in shown(app, "keys")
+        await pilot.press("t")
+        assert "vor einem Schritt" in shown(app, "head") and "Schritt" in shown(app, "keys")
         assert len(shown(app, "keys")) <= 80
 
     played(tmp_path, play, language="de", theme=theme)
@@ -130,10 +137,10 @@ def test_german_and_mono(theme: str, tmp_path: Path) -> None:
 
 def test_a_runtime_error_is_shown_at_its_line(tmp_path: Path) -> None:
     async def play(pilot: Pilot[None], app: Debugger) -> None:
-        await pilot.press("c")
+        await pilot.press("R")
         await pilot.pause(0.3)
         assert "RUNTIME ERROR 32768 (8000h)" in shown(app, "head") and "CI0 := 1 / i" in marked(app)[0]
-        await pilot.press("c")
+        await pilot.press("R")
         await pilot.pause(0.3)
         assert "RUNTIME ERROR" in shown(app, "head"), "started anew, and again"
 
@@ -143,11 +150,76 @@ def test_a_runtime_error_is_shown_at_its_line(tmp_path: Path) -> None:
 def test_a_task_that_has_stopped_itself_goes_on_behind_it(tmp_path: Path) -> None:
     async def play(pilot: Pilot[None], app: Debugger) -> None:
         for seen in (1, 2):
-            await pilot.press("c")
+            await pilot.press("R")
             await pilot.pause(0.3)
             assert app.session.mcu.rdci(0) == seen
-        await pilot.press("c")
+        await pilot.press("R")
         await pilot.pause(0.3)
         assert app.session.mcu.rdci(0) == 1, "at its end it starts anew"
 
     played(tmp_path, play, text="begin\n  CI0 := 1;\n  stop;\n  CI0 := 2;\nend.\n")
+
+
+def test_a_step_out_stops_in_the_caller(tmp_path: Path) -> None:
+    async def play(pilot: Pilot[None], app: Debugger) -> None:
+        await pilot.press("t", "t", "t")
+        assert "Half := n / 2.0;" in marked(app)[0]
+        await pilot.press("U")
+        assert "writeln" in marked(app)[0] and "mean = 3" in shown(app, "variables")
+        assert "main >" not in shown(app, "variables")
+
+    played(tmp_path, play)
+
+
+CONTOUR = """begin
+  cl(X, Y);
+  TRAC := 500.0;  TRVL := 20.0;  TRTVL := 0.0;
+  enev(EVUI);
+  smla(X := 40.0, Y := 30.0);
+  ssmsw(X, Y);
+  CI0 := 1;
+end.
+"""
+
+
+@pytest.mark.parametrize("key", ["space", "escape"])
+def test_a_hold_brakes_the_axes_on_their_path_and_r_goes_on(key: str, tmp_path: Path) -> None:
+    async def play(pilot: Pilot[None], app: Debugger) -> None:
+        def place() -> tuple[float, float]:
+            x, y, *_ = app.session.mcu.status()["axes"]
+            return x["dp"], y["dp"]
+
+        await pilot.press("r")
+        await pilot.pause(1.0)
+        assert "EVUI" in shown(app, "tasks")
+        await pilot.press(key)
+        await pilot.pause(0.8)
+        held = place()
+        await pilot.pause(0.3)
+        assert place() == held and 1 < held[0] < 40, "at rest"
+        assert held[1] == pytest.approx(0.75 * held[0], abs=1e-9), "on the line"
+        await pilot.press("r")
+        for _ in range(60):
+            await pilot.pause(0.1)
+            if app.session.mcu.rdci(0):
+                break
+        assert place() == pytest.approx((40, 30), abs=1e-3) and app.session.mcu.rdci(0) == 1
+
+    played(tmp_path, play, text=CONTOUR)
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+def test_four_tasks_fit_the_screen(size: tuple[int, int], language: str, tmp_path: Path) -> None:
+    async def play(pilot: Pilot[None], app: Debugger) -> None:
+        await pilot.resize_terminal(*size)
+        await pilot.press("r", "v")
+        await pilot.pause(0.3)
+        panes = [app.query_one(f"#task{n}") for n in (0, 2)]
+        assert all(p.region.width >= size[0] // 2 - 2 and p.region.height >= 7 for p in panes)
+        assert len(shown(app, "keys")) <= 80 and len(shown(app, "head").rstrip()) <= 80
+        await pilot.press("v", "f1")
+        await pilot.pause(0.2)
+        assert "^Q" in shown(app, "source")
+
+    played(tmp_path, play, language=language)

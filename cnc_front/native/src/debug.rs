@@ -17,6 +17,15 @@ impl Mcu {
         self.kernel.step_over(known_task(task)?);
         Ok(())
     }
+    /// To the end of the routine being executed.
+    fn step_out(&mut self, task: usize) -> PyResult<()> {
+        self.kernel.step_out(known_task(task)?);
+        Ok(())
+    }
+    /// Names of the events that the task has enabled.
+    fn enabled_events(&self, task: usize) -> PyResult<Vec<&'static str>> {
+        Ok(self.kernel.enabled_events(known_task(task)?))
+    }
     /// Names of the routines being executed, the main program first.
     fn calls(&self, task: usize) -> PyResult<Vec<String>> {
         Ok(self.kernel.calls(known_task(task)?).into_iter().map(str::to_owned).collect())

@@ -313,6 +313,12 @@ impl Processor {
         self.stepping.line = None;
         self.stepping.over = over.then_some(self.frames.len());
     }
+    /// Single-step mode behind the end of the routine being executed.
+    pub fn step_out(&mut self) {
+        self.step(true);
+        self.stepping.over = Some(self.frames.len().saturating_sub(1));
+        self.stepping.line = Some(u32::MAX); // the first statement of the caller is another line
+    }
     pub fn run_on(&mut self) {
         self.stepping.on = false;
     }

@@ -3,7 +3,7 @@
 
 use crate::mcu::Mcu;
 use crate::sap::program::{Variable, VariableKind};
-use crate::sap::tables::Type;
+use crate::sap::tables::{Event, Type};
 
 /// Value of a variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +31,21 @@ impl Mcu {
         if let Some(sap) = &mut self.tasks[task].sap {
             sap.step(true);
         }
+    }
+    /// Runs on to the end of the routine being executed, and stops in the one that called it; the main program runs on.
+    pub fn step_out(&mut self, task: usize) {
+        if self.calls(task).len() < 2 {
+            return self.contcnct(task);
+        }
+        self.stepcnct(task);
+        if let Some(sap) = &mut self.tasks[task].sap {
+            sap.step_out();
+        }
+    }
+    /// Names of the events that the task has enabled (enev).
+    pub fn enabled_events(&self, task: usize) -> Vec<&'static str> {
+        let enabled = self.tasks[task].sap.as_ref().map_or(0, |sap| sap.enabled);
+        Event::ALL.iter().filter(|&&e| enabled >> e as u8 & 1 == 1).map(|e| e.name()).collect()
     }
     /// Names of the routines that are being executed, the main program first.
     pub fn calls(&self, task: usize) -> Vec<&str> {
