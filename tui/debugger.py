@@ -169,6 +169,8 @@ class Debugger(App[None]):
 
     def draw(self) -> None:
         """Everything anew: a screen is a few dozen lines."""
+        if not self.query("#head"):
+            return  # a refresh that comes after the end
         session, look, words = self.session, self.look, self.words
         chosen = next(t for t in session.tasks if t.number == self.number)
         state = session.state(chosen)
