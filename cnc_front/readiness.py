@@ -7,6 +7,7 @@ first entry is spooled, GC810 behind the run.
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import cache
 
 from cnc_front._native import gcode as native_gcode
@@ -54,10 +55,11 @@ def not_ready(mcu: native_kernel.Mcu, machine: native_kernel.Machine, file: str)
     return tuple(found)
 
 
-def reported(mcu: native_kernel.Mcu, file: str) -> tuple[Diagnostic, ...]:
-    """GC810 if the controller's error register is not 0. When it came up stands in the alarms."""
+def reported(mcu: native_kernel.Mcu, file: str, line: int = 0) -> tuple[Diagnostic, ...]:
+    """GC810 if the controller's error register is not 0, at the block in which it came up (0: behind or before all)."""
     register = mcu.rderrorreg()
     if register == 0:
         return ()
     names = [name for name, bit in _bits("errorreg").items() if register & bit]
-    return (finding(file, "GC810", f"{register:08X}h", ", ".join(names)),)
+    found = finding(file, "GC810", f"{register:08X}h", ", ".join(names))
+    return (replace(found, line=max(line, 1)),)

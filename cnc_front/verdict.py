@@ -170,7 +170,7 @@ def run_object(result: RunResult, verdict: Verdict, files: dict[str, str | None]
             "output": execution.output.splitlines(),
             "files": files,
             "start": job.facts["start"],
-            "diagnostics": [d.as_json() for d in (*job.warnings, *reported(execution.mcu, shown(job.source.path)))],
+            "diagnostics": [d.as_json() for d in (*job.warnings, *_register(result))],
             "verdict": {
                 "word": verdict.word,
                 "tolerance_mm": verdict.tolerance_mm,
@@ -179,6 +179,13 @@ def run_object(result: RunResult, verdict: Verdict, files: dict[str, str | None]
         }
         | measured_keys(summary, job.machine.machine, result.options.schedule)
     )
+
+
+def _register(result: RunResult) -> tuple[Diagnostic, ...]:
+    """What the error register says, at the block of its first bit."""
+    execution = result.execution
+    first = next((alarm.line for alarm in execution.alarms if not alarm.axis), 0)
+    return reported(execution.mcu, shown(result.job.source.path), first)
 
 
 def measured_keys(summary: dict[str, Any], machine: native_kernel.Machine, schedule: Any) -> dict[str, Any]:

@@ -140,3 +140,5 @@ def test_run_names_the_error_register(tmp_path: Path, cli: Cli) -> None:
     assert "ProfileToSmall" in ran["error_register"]
     found = [d for d in ran["diagnostics"] if d["id"] == "GC810"]
     assert len(found) == 1 and "ProfileToSmall" in found[0]["message"]
+    alarm = next(alarm for alarm in ran["alarms"] if alarm["name"] == "ProfileToSmall")
+    assert found[0]["line"] == alarm["line"] > 2
