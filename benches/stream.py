@@ -1,7 +1,7 @@
 """Memory of large part programs: `python -m benches.stream [LINES]` (10,000,000).
 
-`run`, `check` and `translate --json` of a generated program of short blocks, and of one a tenth as long: wall time, lines
-per second, highest memory, and its ratio. Issue 4 asks that memory stays bounded.
+`run`, `check` and `translate --json` of a generated program of short blocks, and of one a tenth as long: wall time,
+lines per second, highest memory, and its ratio. Issue 4 asks that memory stays bounded.
 """
 
 from __future__ import annotations

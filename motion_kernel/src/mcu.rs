@@ -430,9 +430,10 @@ impl Mcu {
             return;
         }
         self.registers.errorreg.set(new);
+        let line = self.current_move(self.leader).map_or(0, |mv| mv.line);
         for &(number, name, _) in ErrorReg::ALL {
             if new.0 >> number & 1 == 1 {
-                self.event(EventKind::ErrorReg, -1, name, true, 0, i64::from(number));
+                self.event(EventKind::ErrorReg, -1, name, true, line, i64::from(number));
             }
         }
     }
