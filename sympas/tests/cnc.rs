@@ -135,6 +135,22 @@ proptest! {
         }
     }
 
+    /// Slots of the wrong type: whatever bits stand where an Integer, a Double, a Boolean or an axis is read.
+    #[test]
+    fn any_bits_in_any_variable_are_a_value(bits in prop::collection::vec(prop_oneof![
+        any::<u64>(), Just(u64::MAX), Just(f64::NAN.to_bits()), Just(1e300f64.to_bits()), Just(0x8000_0000), 0u64..6,
+    ], 64)) {
+        let mut program = compile(JOB).program.expect("a correct job");
+        for (slot, bits) in program.globals.iter_mut().zip(&bits) {
+            *slot = *bits;
+        }
+        for (constant, bits) in program.constants.iter_mut().zip(bits.iter().rev()) {
+            *constant = *bits;
+        }
+        let program = decode(&encode(&program)).expect("every bit pattern is a value");
+        support::controller::run(&program, 20);
+    }
+
     #[test]
     fn any_bytes_are_no_program(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
         let mut file = sympas::cnc::MAGIC.to_vec();

@@ -1,4 +1,9 @@
 //! What a program must fulfil before a task may execute it: nothing it names lies outside of it.
+//!
+//! Slots carry no type that could be checked, and none is needed: a slot is 64 bits, and what an instruction makes of them
+//! is defined for every pattern (Integer: the low 32, Boolean: not 0, Double: the IEEE number, NaN included, axis and
+//! index: compared with the range at each use, else runtime error 0400 hex). A program whose types do not fit computes
+//! nonsense, as it would on the board, and nothing else.
 
 use super::code::{Instr, MOST_FRAME, MOST_GLOBALS, Slot};
 use super::program::{Program, Routine};
