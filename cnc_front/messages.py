@@ -5,8 +5,6 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from motion_kernel.causes import english, german
-
 LANGUAGES = ("en", "de")
 
 TEXTS: dict[str, tuple[str, str]] = {
@@ -286,6 +284,8 @@ def text(id: str, language: str, **values: Any) -> str:
 
 def limit_text(name: str, language: str) -> str:
     """Words for a cause by its name in JSON, with the axis where it has one: `mdvel X`."""
+    from motion_kernel.causes import english, german  # brings numpy, which few commands need
+
     cause, _, axis = name.partition(" ")
     words = german(cause) if language == "de" else english(cause)
     return f"{words}, {axis}" if axis else words
