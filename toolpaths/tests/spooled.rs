@@ -49,11 +49,16 @@ impl Moves {
         c.rapid.push(false);
         c.begin.extend(begin);
         c.target.extend(target);
-        (c.c1.push(0), c.c2.push(1), c.c3.push(2), c.phi.push(phi), c.vl.push(10.0));
+        c.c1.push(0);
+        c.c2.push(1);
+        c.c3.push(2);
+        c.phi.push(phi);
+        c.vl.push(10.0);
         c.center.extend([center[0], center[1]]);
         c.center3.extend(center);
         c.normal.extend(normal);
-        (c.via_first.push(0), c.via_count.push(0));
+        c.via_first.push(0);
+        c.via_count.push(0);
         c.effradius_of.push((c.effradius.len() / c.axes - 1) as u16);
         self
     }
@@ -114,11 +119,11 @@ fn a_circle_in_space_is_where_the_rotation_formula_has_it() {
         // the extents are those of many points
         let extents = path.extents();
         let points = samples(&turn, phi, |_, p| p);
-        for a in 0..3 {
+        for (a, extent) in extents.iter().enumerate() {
             let of_axis = || points.iter().skip(a).step_by(3).copied();
             let (low, high) = (of_axis().fold(f64::MAX, f64::min), of_axis().fold(f64::MIN, f64::max));
-            assert!(extents[a].0 <= low + 1e-9 && extents[a].0 >= low.min(0.0) - 1e-3, "round {round}");
-            assert!(extents[a].1 >= high - 1e-9 && extents[a].1 <= high.max(0.0) + 1e-3, "round {round}");
+            assert!(extent.0 <= low + 1e-9 && extent.0 >= low.min(0.0) - 1e-3, "round {round}");
+            assert!(extent.1 >= high - 1e-9 && extent.1 <= high.max(0.0) + 1e-3, "round {round}");
         }
     }
 }
