@@ -354,15 +354,15 @@ impl<'a, 'e> Reader<'a, 'e> {
     /// `CIn` or `CDn`, if one stands here.
     pub fn common(&mut self) -> Check<Option<Variable>> {
         let at = self.pos;
-        let kind = (self.at(at).to_ascii_uppercase(), self.at(at + 1).to_ascii_uppercase());
-        if kind.0 != b'C' || !matches!(kind.1, b'I' | b'D') || !self.at(at + 2).is_ascii_digit() {
+        if !is_common(&self.text[at..]) {
             return Ok(None);
         }
+        let integer = self.at(at + 1).eq_ignore_ascii_case(&b'I');
         let digits = self.text[at + 2..].iter().take_while(|b| b.is_ascii_digit()).count();
         self.pos = at + 2 + digits;
         let text = std::str::from_utf8(&self.text[at + 2..self.pos]).unwrap_or("");
         match text.parse::<u16>() {
-            Ok(n) if n <= 999 => Ok(Some(if kind.1 == b'I' { Variable::Ci(n) } else { Variable::Cd(n) })),
+            Ok(n) if n <= 999 => Ok(Some(if integer { Variable::Ci(n) } else { Variable::Cd(n) })),
             _ => Err(Fault::with(Id::GC708, Span::new(at, self.pos), &[&text])),
         }
     }
@@ -458,4 +458,9 @@ pub fn degrees(angle: f64) -> (f64, f64) {
         270.0 => (-1.0, 0.0),
         _ => turn.to_radians().sin_cos(),
     }
+}
+
+/// `CI` or `CD` with an index stands here.
+pub(crate) fn is_common(text: &[u8]) -> bool {
+    matches!(text, [b'C' | b'c', b'I' | b'i' | b'D' | b'd', digit, ..] if digit.is_ascii_digit())
 }

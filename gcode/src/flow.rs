@@ -47,6 +47,8 @@ struct Loop {
 struct CallFrame<'s> {
     back: Lines<'s>,
     back_file: usize,
+    /// The block with the call.
+    call: Mark,
     start: Mark,
     left: u32,
     own_variables: bool,
@@ -167,9 +169,7 @@ impl<'s> Flows<'s> {
         let (line, text) = lines.next_line()?;
         Some((line, text, Fault::with(Id::GC607, Span::new(0, text.len()), &[&open.name, &open.name])))
     }
-
     // --- calls ---
-
     pub fn call(&mut self, call: Call, variables: &mut Variables) -> Check<Turn> {
         if call.name.is_empty() || !call.name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_') {
             return Err(Fault::with(Id::GC604, call.span, &[&call.name]));
@@ -185,6 +185,7 @@ impl<'s> Flows<'s> {
         self.calls.push(CallFrame {
             back: self.lines.clone(),
             back_file: self.file,
+            call: self.current,
             start,
             left: call.count - 1,
             own_variables: call.arguments.is_some(),
@@ -231,30 +232,29 @@ impl<'s> Flows<'s> {
                 None => Err(Fault::new(Id::GC614, block.m.last().map_or(block.span, |m| m.span))),
             };
         }
-        self.leave(variables);
-        if let Some((n, span)) = target {
+        if let (true, Some((n, span))) = (self.leave(variables), target) {
             self.goto(f64::from(n), span)?;
         }
         Ok(Turn::Go)
     }
-    /// The end of a subprogram without M99: as M99.
-    pub fn leave(&mut self, variables: &mut Variables) {
-        let Some(frame) = self.calls.last_mut() else { return };
+    /// The end of a subprogram without M99: as M99. True behind the last repetition: back in the caller.
+    pub fn leave(&mut self, variables: &mut Variables) -> bool {
+        let Some(frame) = self.calls.last_mut() else { return false };
         self.loops.truncate(frame.loops);
         if frame.left > 0 {
             frame.left -= 1;
             self.lines.go(frame.start);
-            return;
+            return false;
         }
         let frame = self.calls.pop().expect("a call is open");
         (self.lines, self.file, self.main_line) = (frame.back, frame.back_file, frame.main_line);
+        self.current = frame.call;
         if frame.own_variables {
             variables.leave();
         }
+        true
     }
-
     // --- statements ---
-
     /// True if the statement ends the program.
     pub fn statement(&mut self, statement: &Statement, block: &Block, variables: &mut Variables) -> Check<()> {
         match statement {

@@ -79,7 +79,7 @@ impl Translator<'_> {
         match self.state.modal.motion {
             MotionMode::Rapid | MotionMode::Line if axes => self.straight(block),
             MotionMode::Clockwise | MotionMode::CounterClockwise
-                if axes || block.has_any(CENTRE_LETTERS | bit(b'R')) =>
+                if axes || block.has_any((CENTRE_LETTERS | bit(b'R')) & !self.used) =>
             {
                 self.circular(block)
             }

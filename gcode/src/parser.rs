@@ -397,6 +397,9 @@ impl Parser<'_, '_, '_> {
             self.r.pos = end;
             return self.assignment(Variable::Name(crate::expression::short(&name)), at);
         }
+        if word.len() == 3 && crate::expression::is_common(&self.r.text[at + 1..]) {
+            return self.word(word[0].to_ascii_uppercase()); // XCI5
+        }
         while matches!(self.r.at(end), b'0'..=b'9' | b'.' | b'-' | b'+' | b'_') || self.r.at(end).is_ascii_alphabetic()
         {
             end += 1;

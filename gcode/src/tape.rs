@@ -24,7 +24,8 @@ impl Run<'_, '_, '_> {
             return;
         }
         if self.flows.depth() > 0 {
-            return self.flows.leave(&mut self.variables);
+            self.flows.leave(&mut self.variables);
+            return;
         }
         if !self.ended && self.begun && self.mode == Mode::Run {
             self.next_program();

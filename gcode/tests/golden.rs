@@ -294,6 +294,36 @@ fn subprograms_in_four_notations() {
     }
 }
 
+#[test]
+fn m99_p_returns_to_a_block_of_the_caller() {
+    let expanded = common::ends(&program("G91\nX1\nX1\nX4\nM30\n"));
+    for text in [
+        "G91\nM98 P7 L2\nX2\nN20 X4\nM30\nO7\nX1\nM99 P20\n", // behind the last repetition
+        "G91\nX1\nL7\nX2\nN20 X4\nM30\n%L 7\nX1\nM99 P20\nN20 X8\n", // not its own N20
+        "G91\nX1\nL7\nX2\nM30\n%L 8\nX1\nM99 P20\n%L 7\nL8\nX2\nN20 X4\nM2\n", // caller in between
+    ] {
+        assert_eq!(common::ends(&program(text)), expanded, "{text}");
+    }
+}
+
+#[test]
+fn a_common_variable_needs_no_blank_behind_its_address() {
+    let found = common::ends(&program("CI5=3 CD7=4\nG0XCI5YCD7\nG1X=CI5Y5FCI5\nM30\n"));
+    assert_eq!(found, common::ends(&program("X3 Y4\nG1 Y5 F3\nM30\n")));
+}
+
+#[test]
+fn factors_and_angles_are_no_arc_words() {
+    for word in ["G51 I2 J2", "G51 P2", "G68 R45"] {
+        let text = format!("G1 X10 F600\nG2 X20 I5\n{word}\nM30\n");
+        assert_eq!(motions(&program(&text)).len(), 2, "{text}");
+    }
+    let text = "G1 X10 F600\nG2 X20 I5\nM19 R90\nM30\n";
+    assert_eq!(motions(&program(text)).len(), 2);
+    let angle = |c: &Command| matches!(c, Command::Event { kind, text, .. } if kind == "M19" && text == "90");
+    assert!(commands(&program(text)).iter().any(angle));
+}
+
 // shows: gcode.o-parameter
 #[test]
 fn the_o_parameter_repeats_a_call() {
