@@ -208,8 +208,8 @@ impl Parser<'_, '_, '_> {
         let byte = self.r.peek();
         let rule = &RULES[letter_index(letter)];
         let mut integer_form = false;
-        let next = self.r.at(self.r.pos + 1);
-        let value = if number::starts_number(byte) && !matches!(next, b'#' | b'[') {
+        let signed = matches!(byte, b'+' | b'-') && matches!(self.r.at(self.r.pos + 1), b'#' | b'[');
+        let value = if number::starts_number(byte) && !signed {
             let number = number::scan(self.r.text, self.r.pos, at)?;
             self.r.pos = number.end;
             if number.rounded {

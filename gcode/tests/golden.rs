@@ -313,6 +313,12 @@ fn a_common_variable_needs_no_blank_behind_its_address() {
 }
 
 #[test]
+fn an_assignment_needs_no_blank_behind_a_number_of_one_digit() {
+    let found = common::ends(&program("N1#1=5\nN2#[2]=-#1\nG1F9X-#2Y+[#1]\nM30\n"));
+    assert_eq!(found, common::ends(&program("G1 X5 Y5 F9\nM30\n")));
+}
+
+#[test]
 fn factors_and_angles_are_no_arc_words() {
     for word in ["G51 I2 J2", "G51 P2", "G68 R45"] {
         let text = format!("G1 X10 F600\nG2 X20 I5\n{word}\nM30\n");
