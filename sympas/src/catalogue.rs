@@ -102,6 +102,8 @@ catalogue! {
         "separate arguments by ','" "Parameter mit ',' trennen";
     SP212 "SP212" "'else' without 'if'" "'else' ohne 'if'"
         "check begin and end of the branch above" "begin und end des Zweigs darüber prüfen";
+    SP213 "SP213" "there is no operator 'div'" "einen Operator 'div' gibt es nicht"
+        "write '/', which divides Integers too" "'/' schreiben, das auch Integer dividiert";
 
     SP301 "SP301" "'{name}' is declared twice (first in {place})" "'{name}' ist doppelt deklariert (zuerst in {place})"
         "a name is declared once in a block; 32 characters count" "ein Name wird je Block einmal deklariert; 32 Zeichen zählen";

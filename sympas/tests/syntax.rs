@@ -88,6 +88,8 @@ fn ends_too_many_and_too_few() {
         ["SP201@5:5"]
     );
     assert_eq!(faults("begin\n a := 1\nend\n"), ["SP207@3:1"]);
+    assert_eq!(faults("begin\n a := 7 div 2 + b DIV c;\n a := 7 / 2 mod 3;\nend.\n"), ["SP213@2:9", "SP213@2:19"]);
+    assert_eq!(faults("begin\n a := 7\n div := 2;\nend.\n"), ["SP201@2:8"]); // 'div' may be a variable
     assert_eq!(faults(""), ["SP201@1:1"]);
 }
 

@@ -26,7 +26,11 @@ impl Parser<'_> {
     /// Operators of that rank or a higher one (a smaller number), left to right.
     fn ranked(&mut self, rank: u8) -> Parse<Expr> {
         let mut left = if rank > 2 { self.ranked(rank - 1)? } else { self.factor()? };
-        while let Some(operator) = self.binary_operator().filter(|o| o.rank() == rank) {
+        while let Some(operator) = self.binary_operator().or(self.div()).filter(|o| o.rank() == rank) {
+            if operator == Binary::Div && !self.is_symbol(Symbol::Slash) {
+                let span = self.span();
+                self.report(Fault::new(Id::SP213, span));
+            }
             self.advance();
             let right = if rank > 2 { self.ranked(rank - 1)? } else { self.factor()? };
             left = self.binary(operator, left, right)?;
@@ -40,6 +44,11 @@ impl Parser<'_> {
             _ => return None,
         };
         Binary::ALL.iter().copied().find(|o| o.text() == text)
+    }
+    /// Pascal's `div`, a plain name here: an operator to whoever writes it between operands of one line.
+    fn div(&self) -> Option<Binary> {
+        let (last, here) = (self.last_span(), self.span());
+        (self.is_word("div") && (last.file, last.line) == (here.file, here.line)).then_some(Binary::Div)
     }
     fn binary(&mut self, operator: Binary, left: Expr, right: Expr) -> Parse<Expr> {
         let (span, height) = (left.span.to(right.span), left.height.max(right.height) + 1);
