@@ -141,6 +141,7 @@ class Snapshot:
     start_line: int = 0  # the loaded job begins at this line; 0: at its top
     mdi: str = ""  # the MDI block that was checked and may be started
     mdi_modal: str = ""  # modal state of MDI, behind its last block
+    replay: bool = False  # a recording is shown; nothing moves
     output: tuple[str, ...] = ()  # what rw_SymPas statements wrote, newest last
 
 

@@ -186,6 +186,11 @@ TEXTS: dict[str, tuple[str, str]] = {
         "refused: the blocks are in the spooler already; M01, SKP, DRY and PRT change at standstill, before the start",
         "abgelehnt: die Sätze sind schon im Spooler; M01, SKP, DRY und PRT nur vor dem Start, im Stillstand",
     ),
+    "replay_only": (
+        "a recording is only shown: r plays, Space pauses, , . speed",
+        "eine Aufzeichnung wird nur gezeigt: r spielt, Leertaste hält an, , . Tempo",
+    ),
+    "replay_cut": ("the recording ends early {reason}", "die Aufzeichnung endet vorzeitig {reason}"),
     "hand_refused": (
         "refused: the machine is busy; ^X ends the job",
         "abgelehnt: Maschine belegt; ^X beendet den Auftrag",

@@ -83,7 +83,7 @@ def load_source(
         path=source.path,
         name=Path(source.path).name,
         lines=source.text().splitlines(),
-        plot=_plot(line, names),
+        plot=path_plot(line, names),
         extents=extents,
         tolerance_mm=compiled.machine.machine.tolerance_mm,
         warnings=tuple(f"{d.line}:{d.column}: {d.id}: {d.message}" for d in compiled.warnings),
@@ -103,7 +103,7 @@ def load_source(
     )
 
 
-def _plot(line: dict[str, Any], names: Sequence[str]) -> PathPlot:
+def path_plot(line: dict[str, Any], names: Sequence[str]) -> PathPlot:
     """The first three of X, Y, Z and then any other axes; missing ones stand at 0."""
     wanted = [name for name in ("X", "Y", "Z") if name in names] + [n for n in names if n not in ("X", "Y", "Z")]
     points = np.zeros((len(line["lines"]), 3))

@@ -18,8 +18,11 @@ from tui.values import Shown, is_low
 from tui.words import Words
 
 
-def target_word(speed: float) -> str:
-    """`[SIM x50]`: the loudest thing on screen."""
+def target_word(s: Snapshot) -> str:
+    """`[SIM x50]` or `[REPLAY]`: the loudest thing on screen."""
+    speed = s.speed_factor
+    if s.replay:
+        return "[REPLAY]" if speed == 1 else f"[REPLAY x{speed:g}]" if speed else "[REPLAY max]"
     return f"[SIM x{speed:g}]" if speed else "[SIM max]"
 
 
@@ -33,12 +36,7 @@ def header(shown: Shown, switches: tuple[tuple[str, bool], ...], warnings: int, 
     wide = width >= 110
     gap = "  " if wide else " "
     face = FACES[s.state]
-    row = (
-        Row(look.bar)
-        .add(" ")
-        .add(target_word(s.speed_factor), look.target)
-        .add(gap + words(s.mode.value.lower()) + gap)
-    )
+    row = Row(look.bar).add(" ").add(target_word(s), look.target).add(gap + words(s.mode.value.lower()) + gap)
     word = f"{face.symbol} {words.pick(face.english, face.german)}{shown.doubt.strip()}"
     row.add(word, getattr(look, face.style)).add(gap)
     if is_low(s):
@@ -97,7 +95,7 @@ def small_row(shown: Shown, row_number: int, width: int) -> Strip:
     face, look, words = FACES[shown.snapshot.state], shown.look, shown.words
     if row_number:
         return Row(look.text).strip(width)
-    row = Row(look.text).add(target_word(shown.snapshot.speed_factor), look.target).add(" ")
+    row = Row(look.text).add(target_word(shown.snapshot), look.target).add(" ")
     row.add(f"{face.symbol} {words.pick(face.english, face.german)}", getattr(look, face.style))
     row.add(f" !!{len(shown.snapshot.alarms)}" if shown.snapshot.alarms else "", look.alarm)
     return row.add(f" SPACE {words.pick('Hold', 'Halt')} | {words('too_small')}").strip(width)

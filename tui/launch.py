@@ -93,10 +93,17 @@ def run_plain(options: argparse.Namespace, language: str) -> int:
         archive.close()
 
 
+def is_recording(options: argparse.Namespace) -> bool:
+    """The job is a recording, to be replayed."""
+    return bool(options.job) and options.job.lower().endswith(".mcap")
+
+
 def is_sap(options: argparse.Namespace) -> bool:
     """The job is for CNC tasks: rw_SymPas, or autocode."""
     from cnc_front.jobs import read_job
 
+    if is_recording(options):
+        return False
     return read_job(options.job, options.language).language != "din66025"
 
 
@@ -114,7 +121,11 @@ def debug(options: argparse.Namespace, look: Look, words: Words) -> int:
 
 
 def make_engine(options: argparse.Namespace, language: str) -> Engine:
-    """The emulator. A link to a real controller would stand here."""
+    """The emulator, or a recording. A link to a real controller would stand here."""
+    if is_recording(options):
+        from cnc_front.replay import ReplayEngine
+
+        return ReplayEngine(options.job, language=language, speed=options.speed)
     from cnc_front.jobs import CompileOptions
     from cnc_front.sim import SimEngine
 

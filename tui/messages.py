@@ -93,6 +93,8 @@ class Messages:
         s, words, job = shown.snapshot, self._words, shown.job
         said, at = self._said
         of_state = self._of_state(shown), "hold" if s.state in RESUMABLE else "text"
+        if s.replay and s.message:
+            yield s.message, "strong"
         if of_state[0] and self._state_at > at:
             yield of_state
         if said and time.monotonic() - at < SAID_S:
@@ -102,7 +104,7 @@ class Messages:
             yield f"{alarm.code} {alarm.axis}{place} {alarm.text}", "alarm" if alarm.stopped else "bad"
         if of_state[0] and self._state_at <= at:
             yield of_state
-        if s.message:
+        if s.message and not s.replay:
             yield s.message, "strong"
         if job and s.deviation_max_mm > job.tolerance_mm:
             block, limit = block_name(job.lines, s.deviation_max_line), job.tolerance_mm * 1000
