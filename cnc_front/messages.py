@@ -190,7 +190,10 @@ TEXTS: dict[str, tuple[str, str]] = {
         "a recording is only shown: r plays, Space pauses, , . speed",
         "eine Aufzeichnung wird nur gezeigt: r spielt, Leertaste hält an, , . Tempo",
     ),
-    "replay_cut": ("the recording ends early {reason}", "die Aufzeichnung endet vorzeitig {reason}"),
+    "replay_cut": (
+        "the recorded run ends early; cnc-front report says why {reason}",
+        "der aufgezeichnete Lauf endet vorzeitig; cnc-front report sagt, warum {reason}",
+    ),
     "hand_refused": (
         "refused: the machine is busy; ^X ends the job",
         "abgelehnt: Maschine belegt; ^X beendet den Auftrag",

@@ -289,7 +289,8 @@ class ReplayEngine:
             self._set(State.ABORTED, error.diagnostics[0].message)
             return
         if film.is_over:
-            cut = film.recorded.damage or film.recorded.result is None
+            result = film.recorded.result or {"status": "failed"}
+            cut = film.recorded.damage or result.get("status") in ("stopped", "failed")
             note = text("replay_cut", self._language, reason=film.recorded.damage or "") if cut else ""
             self._set(State.ABORTED if cut else State.DONE, note)
         else:

@@ -126,3 +126,13 @@ def test_no_recording_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "bad.mcap").write_bytes(b"nothing")
     with pytest.raises(CompileError, match="CF401"):
         ReplayEngine(str(tmp_path / "bad.mcap"))
+
+
+def test_a_run_that_was_stopped_is_not_done(tmp_path: Path) -> None:
+    path = tmp_path / "short.mcap"
+    job = str(ROOT / "examples/jobs/cam.nc")
+    limit = ["--record", str(path), "--max-time", "3"]
+    subprocess.run([sys.executable, "-m", "cnc_front", "run", job, *limit], cwd=ROOT, check=False)
+    engine = ended(path)
+    assert engine.snapshot().state is State.ABORTED and "ends early" in engine.snapshot().message
+    engine.close()
