@@ -169,7 +169,7 @@ impl<'s> Flows<'s> {
         let (line, text) = lines.next_line()?;
         Some((line, text, Fault::with(Id::GC607, Span::new(0, text.len()), &[&open.name, &open.name])))
     }
-    // --- calls ---
+
     pub fn call(&mut self, call: Call, variables: &mut Variables) -> Check<Turn> {
         if call.name.is_empty() || !call.name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_') {
             return Err(Fault::with(Id::GC604, call.span, &[&call.name]));
@@ -254,7 +254,7 @@ impl<'s> Flows<'s> {
         }
         true
     }
-    // --- statements ---
+
     /// True if the statement ends the program.
     pub fn statement(&mut self, statement: &Statement, block: &Block, variables: &mut Variables) -> Check<()> {
         match statement {

@@ -37,6 +37,7 @@ mod outputs;
 pub mod parser;
 mod part;
 pub mod program;
+mod rules;
 mod seen;
 mod segments;
 pub mod sequence;

@@ -6,53 +6,10 @@ use crate::diagnostics::{Check, Fault, Id, Span, characters};
 use crate::dialect::Dialect;
 use crate::expression::{Environment, Reader};
 use crate::number;
+use crate::rules::RULES;
 use crate::source::decode;
 use crate::statements::{self, balanced, is_active};
 use crate::variables::{Assignment, Variable, check_assignment};
-
-/// What an address takes (section 4).
-struct Rule {
-    signed: bool,
-    integer: bool,
-    low: f64,
-    high: f64,
-}
-
-const fn rule(signed: bool, integer: bool, low: f64, high: f64) -> Rule {
-    Rule { signed, integer, low, high }
-}
-
-const RULES: [Rule; 26] = {
-    const C: Rule = rule(true, false, -1e7, 1e7);
-    [
-        C,                                  // A
-        C,                                  // B
-        C,                                  // C
-        rule(false, true, 0.0, 9999.0),     // D
-        rule(true, false, -1e6, 1e6),       // E
-        rule(true, false, -1e6, 1e6),       // F, sign: GC504
-        rule(false, false, 0.0, 999.9),     // G
-        rule(false, true, 0.0, 9999.0),     // H
-        C,                                  // I
-        C,                                  // J
-        C,                                  // K
-        rule(false, true, 0.0, 99999999.0), // L
-        rule(false, true, 0.0, 999.0),      // M
-        rule(false, true, 0.0, 99999999.0), // N
-        rule(false, true, 0.0, 99999999.0), // O
-        rule(true, false, -1e9, 1e9),       // P, per function
-        C,                                  // Q, sign: GC416
-        C,                                  // R
-        rule(false, false, 0.0, 1e6),       // S
-        rule(false, true, 0.0, 99999999.0), // T
-        C,                                  // U
-        C,                                  // V
-        C,                                  // W
-        C,                                  // X
-        C,                                  // Y
-        C,                                  // Z
-    ]
-};
 
 const MAX_M: usize = 8;
 
