@@ -121,12 +121,15 @@ def read_bytes(path: str, limit: int, id: str, head: int | None = None) -> bytes
     if not stat.S_ISREG(os.fstat(handle).st_mode):
         os.close(handle)
         raise _cannot_read(path, id, "not a regular file")
-    with os.fdopen(handle, "rb") as file:
-        if head is not None:
-            return file.read(head)
-        before = os.fstat(handle)
-        data = file.read(limit + 1)
-        after = os.fstat(handle)
+    before = os.fstat(handle)
+    try:
+        with os.fdopen(handle, "rb") as file:
+            data = file.read(limit + 1 if head is None else head)
+            after = os.fstat(handle)
+    except OSError as error:  # a bad disk, a share that is gone
+        raise _cannot_read(path, id, error.strerror or str(error)) from None
+    if head is not None:
+        return data
     if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns) and id == "GC112":
         raise CompileError([finding(shown(path), "GC114")])
     if len(data) > limit:

@@ -93,13 +93,15 @@ def test_bad_parts_do_not_harm_the_others(parts: Path, tmp_path: Path) -> None:
     lines = "".join(f"G01 X{n % 7} Y{n % 5}\n" for n in range(1000))
     (parts / "hungry.nc").write_text(f"F6000\nM98 P100 L9000\nM30\nO100\n{lines}M99\n")  # 9 million commands
     (parts / "dir.nc").mkdir()
+    (parts / "unread.nc").symlink_to("/proc/self/mem")  # a file with a disk error
     out = tmp_path / "out"
     batch(parts, "--out", out, "--max-time", "60", "--max-memory", "700", "--jobs", "2", code=3)
     rows = {Path(row["part"]).name: row for row in results(out)}
-    assert len(rows) == 11
+    assert len(rows) == 12
     good = [row["verdict"] for name, row in rows.items() if name.startswith("part")]
     assert good == ["PASS"] * 8
     assert rows["wrong.nc"]["code"] == 2 and "GC" in rows["wrong.nc"]["reason"]
+    assert rows["unread.nc"]["code"] == 2 and "GC112" in rows["unread.nc"]["reason"]
     assert rows["endless.src"]["code"] == 3 and "time" in rows["endless.src"]["reason"]
     assert rows["hungry.nc"]["code"] == 3 and rows["hungry.nc"]["reason"] == "memory"
 
