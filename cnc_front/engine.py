@@ -5,7 +5,8 @@ The engine owns its own thread; nothing here blocks on motion. A link to a real 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING, Protocol
@@ -167,6 +168,16 @@ class Job:
     tolerance_mm: float
     warnings: tuple[str, ...] = field(default=())
     check: LoadCheck | None = None
+
+
+def wait_for(happened: Callable[[], bool], seconds: float) -> bool:
+    """Waits until something has happened, at most `seconds`; False if it has not."""
+    deadline = time.monotonic() + seconds
+    while not happened():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.002)
+    return True
 
 
 class Engine(Protocol):

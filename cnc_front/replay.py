@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import toolpaths as native_paths
 from cnc_front.diagnostics import Diagnostic
-from cnc_front.engine import AxisValues, Job, Snapshot, State, Switches
+from cnc_front.engine import AxisValues, Job, Snapshot, State, Switches, wait_for
 from cnc_front.errors import CompileError, UsageError
 from cnc_front.jobs import JobSource
 from cnc_front.messages import text
@@ -253,12 +253,7 @@ class ReplayEngine:
 
     def wait(self, seconds: float, until: Callable[[Snapshot], bool]) -> bool:
         """Waits until a snapshot fulfils `until`, at most `seconds`."""
-        deadline = time.monotonic() + seconds
-        while not until(self._snapshot):
-            if time.monotonic() > deadline:
-                return False
-            time.sleep(0.002)
-        return True
+        return wait_for(lambda: until(self._snapshot), seconds)
 
     def close(self) -> None:
         """Ends the thread."""

@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cnc_front.engine import Job, Snapshot, State, Switches
+from cnc_front.engine import Job, Snapshot, State, Switches, wait_for
 from cnc_front.errors import CompileError, UsageError
 from cnc_front.jobs import CompileOptions
 from cnc_front.messages import text
@@ -215,12 +215,7 @@ class SimEngine:
 
     def wait(self, seconds: float, until: Callable[[Snapshot], bool]) -> bool:
         """Waits until a snapshot fulfils `until`, at most `seconds`; for tests and line mode."""
-        deadline = time.monotonic() + seconds
-        while not until(self._snapshot):
-            if time.monotonic() > deadline:
-                return False
-            time.sleep(0.002)
-        return True
+        return wait_for(lambda: until(self._snapshot), seconds)
 
     def close(self) -> None:
         """Ends the thread; the emulated machine ends with it."""
