@@ -156,11 +156,11 @@ def compared(before: Side, after: Side, language: str) -> dict[str, Any]:
 
 
 def _figure(name: str, old: float | None, new: float | None, scale: float, unit: str, better: int) -> Row:
-    scaled = [None if value is None else value * scale for value in (old, new)]
-    change = None if None in scaled else scaled[1] - scaled[0]  # type: ignore[operator]
-    small = change is None or abs(change) <= TIME_SHARE * abs(scaled[0] or 0.0) + 1e-9
+    before, after = (None if value is None else value * scale for value in (old, new))
+    change = None if before is None or after is None else after - before
+    small = change is None or abs(change) <= TIME_SHARE * abs(before or 0.0) + 1e-9
     trend = "same" if small or not better or change is None else "worse" if change * better > 0 else "better"
-    return {"name": name, "unit": unit, "before": scaled[0], "after": scaled[1], "change": change, "trend": trend}
+    return {"name": name, "unit": unit, "before": before, "after": after, "change": change, "trend": trend}
 
 
 def _per_axis(before: Side, after: Side) -> list[Row]:

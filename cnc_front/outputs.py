@@ -17,15 +17,7 @@ REPORT_FILE = "report.html"
 
 def check_recording(path: str, inputs: Iterable[str]) -> Path:
     """The path for a recording, or UsageError."""
-    target = Path(path)
-    _refuse_inputs(target, inputs, "--record")
-    _refuse_odd(target, "--record")
-    if target.exists() and not _starts_with(target, RECORDING_MAGIC):
-        raise UsageError(f"--record: {path} exists and is no recording of ours; choose another name")
-    if not target.parent.is_dir():
-        raise UsageError(f"--record: there is no folder {target.parent}")
-    _refuse_readonly(target if target.exists() else target.parent, "--record")
-    return target
+    return _checked_file(path, inputs, "--record", RECORDING_MAGIC, "recording of ours")
 
 
 def is_recording(path: Path) -> bool:
@@ -35,14 +27,19 @@ def is_recording(path: Path) -> bool:
 
 def check_autocode(path: str, inputs: Iterable[str]) -> Path:
     """The path for an autocode file, or UsageError."""
+    return _checked_file(path, inputs, "--output", AUTOCODE_MAGIC, "autocode file")
+
+
+def _checked_file(path: str, inputs: Iterable[str], option: str, magic: bytes, kind: str) -> Path:
+    """The path for a file that begins with `magic`: what else stands there is not overwritten."""
     target = Path(path)
-    _refuse_inputs(target, inputs, "--output")
-    _refuse_odd(target, "--output")
-    if target.exists() and not _starts_with(target, AUTOCODE_MAGIC):
-        raise UsageError(f"--output: {path} exists and is no autocode file; choose another name")
+    _refuse_inputs(target, inputs, option)
+    _refuse_odd(target, option)
+    if target.exists() and not _starts_with(target, magic):
+        raise UsageError(f"{option}: {path} exists and is no {kind}; choose another name")
     if not target.parent.is_dir():
-        raise UsageError(f"--output: there is no folder {target.parent}")
-    _refuse_readonly(target if target.exists() else target.parent, "--output")
+        raise UsageError(f"{option}: there is no folder {target.parent}")
+    _refuse_readonly(target if target.exists() else target.parent, option)
     return target
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 from cnc_front import VERSION
 from cnc_front._native import motion_kernel as native_kernel
@@ -153,10 +154,8 @@ def service_of(mcu: native_kernel.Mcu, file: MachineFile, language: str) -> Serv
     )
 
 
-def _axis(mcu: native_kernel.Mcu, a: int, values: dict[str, object], file: MachineFile, language: str) -> ServiceAxis:
+def _axis(mcu: native_kernel.Mcu, a: int, v: dict[str, Any], file: MachineFile, language: str) -> ServiceAxis:
     machine = file.machine
-    v: dict[str, float] = values  # type: ignore[assignment]  # numbers, but for axst and spooler
-    names: list[str] = values["axst"]  # type: ignore[assignment]
     return ServiceAxis(
         name=machine.axis_names[a],
         unit=machine.units[a],
@@ -165,9 +164,9 @@ def _axis(mcu: native_kernel.Mcu, a: int, values: dict[str, object], file: Machi
         following=v["dp"] - v["rp"],
         mpe=machine.mpe[a],
         velocity=v["dv"],
-        axst=_bits("axst", names, language),
+        axst=_bits("axst", v["axst"], language),
         gains=tuple(zip(GAINS, mcu.rdf(a), strict=True)),
-        spooler=str(values["spooler"]),
+        spooler=str(v["spooler"]),
         entries=int(v["mcis"]),
         free=int(v["lsm"]),
         memory=int(v["memory"]),

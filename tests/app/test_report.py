@@ -7,6 +7,7 @@ import json
 import re
 import shutil
 import subprocess
+import sys
 from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
@@ -333,3 +334,13 @@ def test_samples_as_parquet(cli: Cli, job: Callable[..., Path], tmp_path: Path) 
     seconds = {str(name): np.count_nonzero(columns["limit"] == name) * 1.28e-3 for name in set(columns["limit"])}
     assert seconds == pytest.approx(run["feed"]["limits"])
     assert cli("run", program, "--samples").code == 2
+
+
+def test_samples_without_pyarrow_say_how_to_get_it(job: Callable[..., Path], tmp_path: Path) -> None:
+    code = "import sys; sys.modules['pyarrow'] = None; from cnc_front.__main__ import main; main()"
+    arguments = ["run", str(job("G1 X1 F600\nM30\n")), "--report", str(tmp_path / "r"), "--samples"]
+    ran = subprocess.run(
+        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert (ran.returncode, ran.stdout) == (2, "") and "pip install 'cnc-front[samples]'" in ran.stderr
+    assert not (tmp_path / "r").exists()
