@@ -153,7 +153,8 @@ class PathPlot:
     points: NDArray[np.float64]  # (n, 3)
     lines: NDArray[np.uint32]  # (n,)
     rapid: NDArray[np.bool_]  # (n,) the piece that ends here is a rapid
-    axes: tuple[str, str, str] = ("X", "Y", "Z")
+    axes: tuple[str, str, str] = ("X", "Y", "Z")  # empty where there are fewer
+    plane: str = "G17"  # that the first motion is programmed in
 
 
 @dataclass(frozen=True, slots=True, eq=False)  # compared by identity: it holds arrays

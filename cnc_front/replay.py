@@ -75,7 +75,7 @@ class Film:
             path=path,
             name=Path(path).name,
             lines=source.text().splitlines(),
-            plot=path_plot(self.line, names),
+            plot=path_plot(self.line, self.machine),
             extents=dict(zip(names, self.path.extents, strict=True)),
             tolerance_mm=float(self.recorded.metadata["tolerance_mm"]),
         )

@@ -83,7 +83,7 @@ def load_source(
         path=source.path,
         name=Path(source.path).name,
         lines=source.text().splitlines(),
-        plot=path_plot(line, names),
+        plot=path_plot(line, compiled.machine.machine, compiled.facts["modal"]),
         extents=extents,
         tolerance_mm=compiled.machine.machine.tolerance_mm,
         warnings=tuple(f"{d.line}:{d.column}: {d.id}: {d.message}" for d in compiled.warnings),
@@ -103,14 +103,22 @@ def load_source(
     )
 
 
-def path_plot(line: dict[str, Any], names: Sequence[str]) -> PathPlot:
-    """The first three of X, Y, Z and then any other axes; missing ones stand at 0."""
-    wanted = [name for name in ("X", "Y", "Z") if name in names] + [n for n in names if n not in ("X", "Y", "Z")]
+def path_plot(line: dict[str, Any], machine: native_kernel.Machine, modal: Sequence[tuple[int, str]] = ()) -> PathPlot:
+    """Of three axes: X, Y, Z and then any other linear ones; rotary axes only where there are no two linear ones.
+
+    `line`: as toolpaths gives it; `modal`: changes of the modal state by source line.
+    """
+    names = list(machine.axis_names)
+    linear = [name for name, kind in zip(names, machine.kinds, strict=True) if kind != "rotary"]
+    usual = [name for name in ("X", "Y", "Z") if name in linear]
+    wanted = [*usual, *(name for name in linear if name not in usual)]
+    wanted += [name for name in names if name not in wanted][: max(0, 2 - len(wanted))]
     points = np.zeros((len(line["lines"]), 3))
     for column, name in enumerate(wanted[:3]):
         points[:, column] = line["points"][:, names.index(name)]
     axes = [*wanted[:3], "", "", ""][:3]
-    return PathPlot(points, line["lines"], line["rapid"], (axes[0], axes[1], axes[2]))
+    plane = next((word for word in (modal[0][1].split() if modal else ()) if word in ("G17", "G18", "G19")), "G17")
+    return PathPlot(points, line["lines"], line["rapid"], (axes[0], axes[1], axes[2]), plane)
 
 
 def run_time_s(job: CompiledJob, superseded: Callable[[], bool]) -> float | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import time
 from collections.abc import Callable, Sequence
 from datetime import datetime
@@ -237,6 +238,7 @@ class Terminal(MotionKeys):
         if job is None:
             return
         self.job = job
+        gc.freeze()  # a program of a million lines must not be walked through at every collection
         self.jobs.check = Check(job.name, job)
         self.picture.take(job)
         self.program.take(job.lines)

@@ -76,6 +76,7 @@ KEYS: tuple[Key, ...] = (
     ),
     Key("view", "v", "v", "view: program+path, path, values", "Sicht: Programm+Bahn, Bahn, Werte", page="run"),
     Key("fit", "f", "f", "whole path in the picture", "ganze Bahn im Bild", page="run"),
+    Key("plane", "s", "s", "side of the path: XY, XZ, YZ, ISO", "Seite der Bahn: XY, XZ, YZ, ISO", page="run"),
     Key("zoom(1)", "0", "0", "zoom in (wheel too)", "Bild größer (auch Mausrad)", page="run"),
     Key("zoom(-1)", "9", "9", "zoom out", "Bild kleiner", page="run"),
     Key(

@@ -12,7 +12,8 @@ from textual.strip import Strip
 
 from cnc_front.engine import Job
 from tui.look import Look
-from tui.raster import Bitmap, Window, cells, draw, fit
+from tui.plane import Plane, planes_of
+from tui.raster import Bitmap, Window, cells, draw, draw_pieces, fit
 from tui.rows import Row
 from tui.words import Words
 
@@ -27,7 +28,8 @@ class PathPicture:
 
     def __init__(self, look: Look) -> None:
         self._look = look
-        self._points = np.zeros((0, 2))
+        self._vertices = np.zeros((0, 3))
+        self._points = np.zeros((0, 2))  # the vertices in the plane that is shown
         self._lines = np.zeros(0, np.uint32)
         self._drawn = np.zeros(0, bool)
         self._deviation = np.zeros(0, np.float32)
@@ -37,7 +39,10 @@ class PathPicture:
         self._bitmap: Bitmap = np.zeros((0, 0), np.uint8)
         self._window: Window | None = None
         self._fits = True
-        self.plane = "XY"
+        self._planes: tuple[Plane, ...] = (Plane("XY", (1, 0, 0), (0, 1, 0)),)
+        self._chosen_plane = ""  # by the operator; empty: the first one
+        self._plane = self._planes[0]
+        self._marked: tuple[object, Bitmap] = (None, self._bitmap)
         self.reached = 0
         #: deviation per source line, mm; only lines beyond the tolerance
         self.over: dict[int, float] = {}
@@ -45,13 +50,27 @@ class PathPicture:
     def take(self, job: Job) -> None:
         """Shows another job. Rapids are left out: they hide the part; unless there is nothing else."""
         plot = job.plot
-        self._points = np.ascontiguousarray(plot.points[:, :2])
-        self._lines = plot.lines
+        self._vertices, self._lines = plot.points, plot.lines
         self._drawn = ~plot.rapid if not plot.rapid.all() else np.ones(len(plot.rapid), bool)
         self._tolerance_mm = job.tolerance_mm
-        self.plane = "".join(plot.axes[:2])
-        self._fits = True
+        self._planes = planes_of(plot, self._vertices[self._drawn])
+        self._look_at(next((p for p in self._planes if p.name == self._chosen_plane), self._planes[0]))
         self._begin_again()
+
+    @property
+    def plane(self) -> str:
+        """Name of the plane that is shown: its axes, or ISO."""
+        return self._plane.name
+
+    def next_plane(self) -> None:
+        """Looks at the path from another side; the whole of it."""
+        place = self._planes.index(self._plane)
+        self._look_at(self._planes[(place + 1) % len(self._planes)])
+        self._chosen_plane = self._plane.name
+
+    def _look_at(self, plane: Plane) -> None:
+        self._plane, self._points = plane, plane.project(self._vertices)
+        self.fit_all()
 
     def _begin_again(self) -> None:
         self._deviation = np.full(len(self._points), np.nan, np.float32)
@@ -78,9 +97,13 @@ class PathPicture:
         shade = np.select([value <= self._tolerance_mm / 2, value <= self._tolerance_mm], [GOOD, WARN], BAD)
         shade = np.where(np.isnan(value), TODO, shade)
         self._classes[first:last] = np.where(self._drawn[first:last], shade, 0)
-        for index in np.flatnonzero(value > self._tolerance_mm):
-            line = int(self._lines[first + index])
-            self.over[line] = max(self.over.get(line, 0.0), float(value[index]))
+        beyond = np.flatnonzero(value > self._tolerance_mm)
+        if len(beyond):
+            lines, owner = np.unique(self._lines[first + beyond], return_inverse=True)
+            worst = np.zeros(len(lines), np.float32)
+            np.maximum.at(worst, owner, value[beyond])
+            for line, most in zip(lines.tolist(), worst.tolist(), strict=True):
+                self.over[line] = max(self.over.get(line, 0.0), most)
 
     # ---- the window
 
@@ -132,8 +155,9 @@ class PathPicture:
 
     # ---- rows
 
-    def rows(self, columns: int, rows: int, tool: tuple[float, float] | None, chosen: int) -> list[Strip]:
-        """The picture in so many rows; `chosen` is the source line to mark (0: none)."""
+    def rows(self, columns: int, rows: int, tool: tuple[float, float, float] | None, chosen: int) -> list[Strip]:
+        """The picture in so many rows; `tool`: where it is, along the axes of the plot; `chosen` is the source line to
+        mark (0: none)."""
         window = self._window_of(columns, rows)
         texts, classes = cells(self._bitmap, window.glyphs, LETTERS)
         classes = classes.copy()
@@ -148,17 +172,22 @@ class PathPicture:
 
     def _mark(self, classes: Bitmap, window: Window, line: int) -> None:
         """Cells of the path of one source line become class 5 (inverse)."""
-        of_line = np.where((self._lines == line) & self._drawn, 1, 0).astype(np.uint8)
-        if of_line.any():
+        if self._marked[0] != (line, window, self._plane):
+            ends = np.flatnonzero((self._lines == line) & self._drawn)
+            ends = ends[ends > 0]
             mask = np.zeros(window.shape, np.uint8)
-            draw(mask, self._pixels, 0, len(self._pixels), of_line)
+            start = self._pixels[ends - 1]
+            draw_pieces(mask, start, self._pixels[ends] - start, np.ones(len(ends), np.uint8))
             down, across = mask.shape[0] // window.rows, mask.shape[1] // window.columns
             hit = mask.reshape(window.rows, down, window.columns, across).max(axis=(1, 3))
-            classes[(hit > 0) & (classes > 0)] = 5
+            self._marked = ((line, window, self._plane), hit)
+        classes[(self._marked[1] > 0) & (classes > 0)] = 5
 
-    def _put_tool(self, lines: list[list[str]], classes: Bitmap, window: Window, tool: tuple[float, float]) -> None:
+    def _put_tool(
+        self, lines: list[list[str]], classes: Bitmap, window: Window, tool: tuple[float, float, float]
+    ) -> None:
         down, across = window.shape[0] // window.rows, window.shape[1] // window.columns
-        x, y = window.pixels(np.array([tool]))[0]
+        x, y = window.pixels(self._plane.project(np.array([tool])))[0]
         column, row = int(x // across), int(y // down)
         if 0 <= column < window.columns and 0 <= row < window.rows:
             lines[row][column], classes[row, column] = "@", 6

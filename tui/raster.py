@@ -60,7 +60,8 @@ def fit(points: Floats, columns: int, rows: int, glyphs: str) -> Window:
     """The window that shows all points with a narrow margin."""
     if not len(points):
         return Window(0.0, 0.0, 1.0, columns, rows, glyphs)
-    low, high = points.min(axis=0), points.max(axis=0)
+    low = np.array([column.min() for column in points.T])
+    high = np.array([column.max() for column in points.T])
     middle, size = (low + high) / 2, high - low
     scale = max(float(size[0]) / max(columns - 2, 1), float(size[1]) / max(2 * (rows - 1), 1), 1e-6)
     return Window(float(middle[0]), float(middle[1]), scale, columns, rows, glyphs)
@@ -82,27 +83,46 @@ def _clip(start: Floats, step: Floats, width: float, height: float) -> tuple[Flo
 def draw(bitmap: Bitmap, pixels: Floats, first: int, last: int, classes: NDArray[np.uint8]) -> None:
     """Draws the segments that end at points first..last-1, each with the class of its end; the highest class wins."""
     first = max(first, 1)
-    if last <= first:
-        return
+    if last > first:
+        start = pixels[first - 1 : last - 1]
+        draw_pieces(bitmap, start, pixels[first:last] - start, classes[first:last])
+
+
+def draw_pieces(bitmap: Bitmap, start: Floats, step: Floats, classes: NDArray[np.uint8]) -> None:
+    """Draws straight pieces (n, 2) from `start` over `step`, each with its class; the highest class wins."""
+    longest = np.maximum(np.abs(step[:, 0]), np.abs(step[:, 1]))
+    short = longest < 1
+    wanted = classes[short]
+    # of a piece within two pixels its ends are enough; a long program is made of these
+    _put(bitmap, start[short], wanted)
+    _put(bitmap, start[short] + step[short], wanted)
+    rest = ~short & (classes > 0)
+    if rest.any():
+        _draw_long(bitmap, start[rest], step[rest], classes[rest])
+
+
+def _draw_long(bitmap: Bitmap, start: Floats, step: Floats, classes: NDArray[np.uint8]) -> None:
     height, width = bitmap.shape
-    start = pixels[first - 1 : last - 1]
-    step = pixels[first:last] - start
     enters, leaves = _clip(start, step, width, height)
-    seen = (enters <= leaves) & (classes[first:last] > 0)
-    start, step, enters, leaves = start[seen], step[seen], enters[seen], leaves[seen]
-    wanted = classes[first:last][seen]
+    seen = enters <= leaves
+    start, step, enters, leaves, wanted = start[seen], step[seen], enters[seen], leaves[seen], classes[seen]
     if not len(start):
         return
     counts = np.ceil(np.abs(step).max(axis=1) * (leaves - enters)).astype(np.int64) + 1
     owner = np.repeat(np.arange(len(counts)), counts)
     number = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
     share = enters[owner] + (leaves - enters)[owner] * (number / np.maximum(counts - 1, 1)[owner])
-    places = (start[owner] + step[owner] * share[:, None]).astype(np.int64)
-    inside = (places >= 0).all(axis=1) & (places[:, 0] < width) & (places[:, 1] < height)
-    flat = (places[:, 1] * width + places[:, 0])[inside]
-    shade = wanted[owner][inside]
-    view = bitmap.reshape(-1)
-    for level in np.unique(shade):
+    _put(bitmap, start[owner] + step[owner] * share[:, None], wanted[owner])
+
+
+def _put(bitmap: Bitmap, places: Floats, classes: NDArray[np.uint8]) -> None:
+    """Single pixels; those outside, and class 0, are left out."""
+    height, width = bitmap.shape
+    x, y = places[:, 0], places[:, 1]
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    flat = y[inside].astype(np.int64) * width + x[inside].astype(np.int64)
+    shade, view = classes[inside], bitmap.reshape(-1)
+    for level in range(1, int(shade.max(initial=0)) + 1):
         spots = flat[shade == level]
         view[spots] = np.maximum(view[spots], level)
 

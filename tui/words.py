@@ -55,7 +55,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "stale": ("no news for {seconds:.0f} s", "seit {seconds:.0f} s keine Werte"),
     "plot_head": ("PATH {plane}  colour/glyph = deviation", "BAHN {plane}  Farbe/Zeichen = Abweichung"),
     "plot_head_short": ("PATH {plane}", "BAHN {plane}"),
-    "plot_keys": ("[v]iew [f]it", "[v] Sicht [f] Alles"),
+    "plot_keys": ("[v]iew [s]ide [f]it", "[v]Sicht [s]eite [f]Alles"),
     "todo": ("to do", "offen"),
     "tool": ("tool", "Werkzeug"),
     "no_job": ("No job. F2 opens, or: cnc-front tui part.nc", "Kein Auftrag. F2 öffnet, oder: cnc-front tui teil.nc"),

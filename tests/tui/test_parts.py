@@ -103,11 +103,13 @@ def test_a_hundred_thousand_points_are_drawn_quickly() -> None:
 
     def whole() -> None:
         picture.fit_all()
-        picture.rows(63, 35, (0.0, 0.0), 0)
+        picture.rows(63, 35, (0.0, 0.0, 0.0), 0)
 
     assert seconds(whole) < 0.3  # 20 ms on an idle machine
     picture.driven(50_000, np.zeros(50_000, np.float32))
-    assert seconds(lambda: picture.rows(63, 35, (0.0, 0.0), 0)) < 0.05  # 2 ms
+    assert seconds(lambda: picture.rows(63, 35, (0.0, 0.0, 0.0), 0)) < 0.05  # 2 ms
+    # the mark of a chosen block is looked for once, not at every frame
+    assert seconds(lambda: picture.rows(63, 35, (0.0, 0.0, 0.0), 9)) < 0.05  # 2 ms
 
 
 def test_a_million_lines_cost_no_more_than_a_page() -> None:
@@ -160,7 +162,7 @@ def test_only_what_differs_is_drawn() -> None:
 def test_every_segment_has_a_style(theme: str, glyphs: str) -> None:
     picture = PathPicture(make_look(theme, glyphs))
     picture.take(make_job())
-    rows: list[Strip] = picture.rows(40, 12, (0.0, 0.0), 5)
+    rows: list[Strip] = picture.rows(40, 12, (0.0, 0.0, 0.0), 5)
     assert all(segment.style is not None for row in rows for segment in row)
 
 

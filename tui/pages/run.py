@@ -71,6 +71,10 @@ class RunPage(Page):
         """The whole path."""
         self.app.picture.fit_all()
 
+    def key_plane(self) -> None:
+        """The path from another side."""
+        self.app.picture.next_plane()
+
     def key_zoom(self, steps: int) -> None:
         """Nearer or farther."""
         self.app.picture.zoom(steps)
@@ -130,8 +134,9 @@ class Parts:
         words, snapshot, job = self.shown.words, self.shown.snapshot, self.shown.job
         at = {axis.name: axis.actual for axis in snapshot.axes}
         tool = None
-        if job is not None and len(at) >= 2:
-            tool = (at.get(job.plot.axes[0], 0.0), at.get(job.plot.axes[1], 0.0))
+        if job is not None and at:
+            x, y, z = (at.get(name, 0.0) for name in job.plot.axes)
+            tool = (x, y, z)
         rows = self.picture.rows(width, height - 2, tool, self.program.chosen)
         return [self.picture.head(width, words), *rows, self.picture.legend(width, words)]
 
@@ -143,9 +148,11 @@ class Parts:
             return [Row(style).add(f" {text}").strip(width) for text in [*texts, *[""] * (height - len(texts))]]
         return self.program.rows(width, height, self.shown.snapshot.line, self.picture.over)
 
-    def rule(self, width: int) -> Strip:
-        """A horizontal line."""
-        return Row(self.shown.look.dim).add(self.shown.look.rule() * width).strip(width)
+    def rule(self, width: int, label: str = "") -> Strip:
+        """A horizontal line, with a word near its end."""
+        look = self.shown.look
+        row = Row(look.dim).add(look.rule() * (width - len(label) - 3 if label else width))
+        return row.add(f" {label} ", look.text).add(look.rule()).strip(width) if label else row.strip(width)
 
     def bar(self, height: int) -> list[Strip]:
         """A vertical line."""
@@ -173,9 +180,11 @@ def run_page(parts: Parts, values: Sequence[Strip], view: str, width: int, heigh
 def _stacked(parts: Parts, values: Sequence[Strip], view: str, width: int, height: int) -> tuple[list[Strip], Areas]:
     top = len(values) + 1
     below = height - top
-    head = [*values, parts.rule(width)]
     if view == "values":
-        return [*head, *parts.lines(width, below)], Areas(program=Region(0, top, width, below))
+        rows = [*values, parts.rule(width), *parts.lines(width, below)]
+        return rows, Areas(program=Region(0, top, width, below))
+    # the plane stands in the rule: the picture has no head line here
+    head = [*values, parts.rule(width, parts.picture.plane if parts.shown.job else "")]
     room = width - NARROW - 1
     picture = parts.path(room, below + 1)[1:]  # no head line: it would cost a row
     columns = zip(parts.lines(NARROW, below), parts.bar(below), picture, strict=True)
