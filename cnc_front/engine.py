@@ -92,7 +92,7 @@ class AxisValues:
 
 @dataclass(frozen=True, slots=True)
 class Alarm:
-    """A fault with place, fact and remedy; `code` is stable, text is translated."""
+    """A fault with place, fact and remedy; `code` is stable, text is translated, `name` is the manual's of the bit."""
 
     t_s: float
     code: str
@@ -100,6 +100,7 @@ class Alarm:
     line: int
     text: str
     stopped: bool
+    name: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,6 +39,9 @@ class AlarmEvent:
     bit: int
     name: str
     line: int
+    #: set point minus actual position, and set point, in that sample, axis units; None where no sample tells
+    following: float | None = None
+    set_point: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +171,7 @@ class Execution:
         if self.end is not None:
             return None
         chunk = self.mcu.advance(self._until_next_change(samples))
-        self._collect_events()
+        self._collect_events(chunk)
         self._react(chunk.stop, chunk.stop_value)
         return chunk
 
@@ -231,7 +234,7 @@ class Execution:
         new, self._new = tuple(self._new), []
         return new
 
-    def _collect_events(self) -> None:
+    def _collect_events(self, chunk: native_kernel.Chunk) -> None:
         for sample, kind, axis, name, on, line, value in self.mcu.events():
             t_s = sample * self.sample_time_s
             who = self._axes[axis] if kind != "task" and 0 <= axis < len(self._axes) else ""
@@ -244,7 +247,9 @@ class Execution:
             if kind == "task":
                 self.task_error = (value, line)
             elif on and (kind == "errorreg" or (kind == "axst" and name not in HARMLESS)):
-                self.alarms.append(AlarmEvent(t_s, who, value, name, line))
+                self.alarms.append(
+                    AlarmEvent(t_s, who, value, name, line, *_measured(chunk, sample, axis if who else -1))
+                )
         self.output += self.mcu.take_output(0)
 
     def _host_event(self, t_s: float, number: int) -> None:
@@ -254,3 +259,12 @@ class Execution:
             event = HostEvent(t_s, line, kind, text)
             self.host_events.append(event)
             self._new.append(event)
+
+
+def _measured(chunk: native_kernel.Chunk, sample: int, axis: int) -> tuple[float | None, float | None]:
+    """Following error and set point of an axis in the sample of an event; None without an axis."""
+    row = sample - chunk.first_sample
+    if axis < 0 or not 0 <= row < len(chunk):
+        return None, None
+    set_point = float(chunk.dp[row, axis])
+    return set_point - float(chunk.rp[row, axis]), set_point

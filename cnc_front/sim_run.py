@@ -57,6 +57,8 @@ class SimRun:
         self.flags = 0
         self.entry = 0
         self.line = 0  # the last one told: between jobs and entries there is none
+        #: path that was done when the job ended; None before
+        self.reached_mm: float | None = None
         self._settle = 0
 
     @property
@@ -145,6 +147,8 @@ class SimRun:
         options = RunOptions(schedule=((0.0, self._override),), stimulus=self.loaded.stimulus_file)
         wall = time.monotonic() - self._began
         summary = self.tracker.finish()
+        self.reached_mm = self.loaded.path.length_mm - summary["missing_mm"]
+        self.line = self.line or int(summary["reached_line"])
         result = RunResult(self.loaded.job, options, execution, summary, self.loaded.path, self.tracker, wall)
         return outcome_of(result, self._plotting, number)
 

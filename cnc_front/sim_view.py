@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cnc_front._native import motion_kernel as native_kernel
-from cnc_front.alarms import alarm_text
+from cnc_front.alarms import alarm_fact, alarm_text, without_bounces
 from cnc_front.engine import Alarm, AxisValues, Mode, Snapshot, State, Stop, Switches
 from cnc_front.execution import AlarmEvent, End
 from cnc_front.sim_bench import Bench
@@ -144,7 +144,7 @@ def run_snapshot(common: Common, run: SimRun) -> Snapshot:
         spindle=_spindle(mcu, status),
         coolant=_coolant(status),
         message=common.operator.message or _last_message(run),
-        alarms=tuple(_alarm(event, run, common) for event in run.execution.alarms),
+        alarms=_alarms(run, common),
         stop=run.stop,
         waits_for=inputs,
         inputs=_inputs(mcu),
@@ -159,7 +159,7 @@ def _state(run: SimRun, status: dict[str, Any]) -> tuple[State, str, tuple[int, 
     if execution.end is not None:
         if execution.end is End.FINISHED:
             return (State.ABORTED if run.aborted else State.DONE), "", ()
-        return State.ALARM, execution.alarms[-1].name if execution.alarms else execution.end.value, ()
+        return State.ALARM, execution.fault.alarm.name if execution.fault is not None else execution.end.value, ()
     if run.holding and not run.between_blocks:
         return (State.HOLD if execution.held else State.HOLDING), "hold", ()
     if execution.waits:
@@ -197,6 +197,8 @@ def _axis(bench: Bench, a: int, values: dict[str, Any]) -> AxisValues:
 def _done_mm(loaded: LoadedJob, run: SimRun, status: dict[str, Any]) -> float:
     if run.execution.end is End.FINISHED and not run.aborted:
         return loaded.path.length_mm
+    if run.reached_mm is not None:
+        return run.reached_mm
     if run.entry == 0:
         return 0.0
     # between two commands the one before is done
@@ -242,22 +244,19 @@ def _last_message(run: SimRun) -> str:
     return texts[-1] if texts else ""
 
 
-def _alarm(event: AlarmEvent, run: SimRun, common: Common) -> Alarm:
-    code, text = alarm_text(event.name, event.bit, event.axis, common.language)
-    fault = run.execution.fault
-    stopped = fault is not None and event is fault.alarm
+def _alarms(run: SimRun, common: Common) -> tuple[Alarm, ...]:
+    """What the run has met so far; a runtime error of the task last."""
+    execution = run.execution
+    events = without_bounces(execution.alarms)
+    if execution.end is End.TASK_ERROR:
+        _, line = execution.task_error or (0, 0)
+        events.append(AlarmEvent(execution.machine_time_s, "", 1, "task_error", line))
+    fault = execution.fault.alarm if execution.fault is not None else None
+    return tuple(_alarm(event, event is fault or event.name == "task_error", common) for event in events)
+
+
+def _alarm(event: AlarmEvent, stopped: bool, common: Common) -> Alarm:
+    fact = alarm_fact(event, common.bench.file.machine, common.language)
+    code, text = alarm_text(event.name, event.bit, event.axis, common.language, fact)
     line = 0 if common.mode is Mode.MDI else event.line
-    return Alarm(event.t_s, code, event.axis, line, _limit(event, common.bench.file.machine) + text, stopped)
-
-
-def _limit(event: AlarmEvent, machine: native_kernel.Machine) -> str:
-    """The limit that was passed, with its unit."""
-    if event.axis not in machine.axis_names:
-        return ""
-    axis = machine.axis_names.index(event.axis)
-    limits, unit = machine.limits[axis], machine.units[axis]
-    if event.name == "mpe":
-        return f"> {machine.mpe[axis]:g} {unit} "
-    if limits is not None and event.name in ("lsls", "lsrs"):
-        return f"{limits[event.name == 'lsrs']:g} {unit} "
-    return ""
+    return Alarm(event.t_s, code, event.axis, line, text, stopped, event.name)

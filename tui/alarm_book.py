@@ -27,7 +27,7 @@ class Entry:
     @property
     def name(self) -> str:
         """The manual's name of the bit."""
-        return self.alarm.text.partition(":")[0]
+        return self.alarm.name
 
     @property
     def cause(self) -> str:

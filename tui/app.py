@@ -176,7 +176,7 @@ class Terminal(MotionKeys):
         self.jobs.queue.watch(shown.snapshot, self.engine.outcome())
         width, height = self.size
         small = width < SMALLEST[0] or height < SMALLEST[1]
-        text, style, more = self.messages.current(shown, self.operation.is_armed)
+        text, style, more = self.messages.current(shown, self.operation.is_armed, width)
         top, body = base.query_one("#header", Rows), base.query_one(Body)
         if small:
             top.put([small_row(shown, 0, width)])

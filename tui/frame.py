@@ -61,7 +61,8 @@ def _findings(s: Snapshot, words: Words, look: Look, warnings: int, wide: bool) 
     """How many alarms, or else warnings, there are."""
     if s.alarms:
         count = len(s.alarms)
-        return (words("alarm_n", n=count) if wide else f"!! {count}"), look.alarm
+        text = words("alarm_1") if count == 1 else words("alarm_n", n=count)
+        return (text if wide else f"!! {count}"), look.alarm
     if not wide:
         return f"! {warnings}", look.warn if warnings else look.bar
     text = words("warning_1") if warnings == 1 else words("warnings", n=warnings)

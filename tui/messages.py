@@ -7,8 +7,9 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
+from textwrap import wrap
 
-from cnc_front.engine import Snapshot, State, Stop
+from cnc_front.engine import Alarm, Job, Snapshot, State, Stop
 from cnc_front.german import one_line
 from tui.program import block_name
 from tui.states import FACES, RESUMABLE
@@ -17,6 +18,8 @@ from tui.words import TEXTS, Words
 
 #: What was said stays in the line for so long, s.
 SAID_S = 8.0
+#: Warnings behind `n`; the Jobs screen lists them all.
+MOST_WARNINGS = 50
 #: Lines of the log kept.
 LOG = 500
 
@@ -64,7 +67,7 @@ class Messages:
             key = (alarm.t_s, alarm.code, alarm.axis)
             if key not in self._known:
                 self._known.add(key)
-                self.log.append(Logged(clock, alarm.code, f"{alarm.axis} {alarm.text}".strip()))
+                self.log.append(Logged(clock, alarm.code, _placed(alarm, shown.job)))
 
     def _why(self, s: Snapshot) -> str:
         """Why it stands, where the state's own word does not say it."""
@@ -79,38 +82,42 @@ class Messages:
         """The next message."""
         self.index += 1
 
-    def current(self, shown: Shown, armed: bool) -> tuple[str, str, bool]:
-        """Text, name of its style, and whether there are more."""
+    def current(self, shown: Shown, armed: bool, width: int = 1000) -> tuple[str, str, bool]:
+        """Text, name of its style, and whether there are more. What does not fit into `width` comes in parts."""
         if armed:
             return self._words("reset_armed"), "hold", False
         active = list(self._active(shown))
-        if not active:
+        alone = len(active) == 1 and len(active[0][0]) <= width - 2
+        room = width - 2 - (0 if alone else len(self._words("details")) + 1)
+        parts = [(part, style) for text, style in active for part in _parts(text, room)]
+        if not parts:
             return "", "dim", False
-        text, style = active[self.index % len(active)]
-        return text, style, len(active) > 1
+        text, style = parts[self.index % len(parts)]
+        return text, style, len(parts) > 1
 
     def _active(self, shown: Shown) -> Iterator[tuple[str, str]]:
         s, words, job = shown.snapshot, self._words, shown.job
         said, at = self._said
-        of_state = self._of_state(shown), "hold" if s.state in RESUMABLE else "text"
+        stands = [(text, "hold" if s.state in RESUMABLE else "text") for text in [self._of_state(shown)] if text]
+        newest = sorted(reversed(s.alarms), key=lambda alarm: not alarm.stopped)  # what stopped the job comes first
+        alarms = [(f"{a.code} {_placed(a, job)}", "alarm" if a.stopped else "bad") for a in newest]
+        told = self._state_at <= at  # something was said since the state changed
+        first, then = ([], [*alarms, *stands]) if told else (stands, alarms)
+        if s.state is State.ALARM and not told:
+            first, then = [*alarms, *stands], []
         if s.replay and s.message:
             yield s.message, "strong"
-        if of_state[0] and self._state_at > at:
-            yield of_state
+        yield from first
         if said and time.monotonic() - at < SAID_S:
             yield said, "strong"
-        for alarm in reversed(s.alarms):
-            place = f" {block_name(job.lines, alarm.line)}" if job and alarm.line else ""
-            yield f"{alarm.code} {alarm.axis}{place} {alarm.text}", "alarm" if alarm.stopped else "bad"
-        if of_state[0] and self._state_at <= at:
-            yield of_state
+        yield from then
         if s.message and not s.replay:
             yield s.message, "strong"
         if job and s.deviation_max_mm > job.tolerance_mm:
             block, limit = block_name(job.lines, s.deviation_max_line), job.tolerance_mm * 1000
             over = words("deviation_over", block=block, um=s.deviation_max_mm * 1000, limit=limit)
             yield f"! {over} {words('tolerance_of')}", "bad"
-        for warning in job.warnings if job else ():
+        for warning in job.warnings[:MOST_WARNINGS] if job else ():
             yield f"! {one_line(warning, words.language)}", "warn"
         if s.state in (State.NO_JOB, State.READY):
             yield words("start_line"), "dim"
@@ -129,3 +136,15 @@ class Messages:
         if s.state in (State.HOLD, State.STEP, State.ABORTED, State.ALARM) and s.stop is not Stop.NONE:
             return words(f"stop_{s.stop.name.lower()}")
         return {State.HOLD: words("hold_text"), State.STEP: words("step_text")}.get(s.state, "")
+
+
+def _placed(alarm: Alarm, job: Job | None) -> str:
+    """Axis, block and text."""
+    block = block_name(job.lines, alarm.line) if job and alarm.line else ""
+    return " ".join(word for word in (alarm.axis, block, alarm.text) if word)
+
+
+def _parts(text: str, width: int) -> list[str]:
+    """A text in pieces of at most `width` cells; all but the last end with dots."""
+    pieces = wrap(text, max(width - 4, 20)) if len(text) > width else [text]
+    return [f"{piece} ..." for piece in pieces[:-1]] + pieces[-1:]

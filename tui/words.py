@@ -61,6 +61,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "no_job": ("No job. F2 opens, or: cnc-front tui part.nc", "Kein Auftrag. F2 öffnet, oder: cnc-front tui teil.nc"),
     "warning_1": ("! 1 warning", "! 1 Warnung"),
     "warnings": ("! {n} warnings", "! {n} Warnungen"),
+    "alarm_1": ("!! 1 alarm", "!! 1 Störung"),
     "alarm_n": ("!! {n} alarms", "!! {n} Störungen"),
     "too_small": ("too small, need 80x24", "zu klein, braucht 80x24"),
     "start_line": (

@@ -179,8 +179,31 @@ def test_alarms_have_code_text_and_language(job: Callable[..., Path], tmp_path: 
     assert engine.wait(10, lambda s: len(s.alarms) > 0)
     alarm = engine.snapshot().alarms[0]
     assert (alarm.code, alarm.axis) == ("E107", "X")
-    assert "Schleppfehler" in alarm.text
+    assert alarm.text.startswith("Schleppfehler 0.005") and "> 0.005 mm (mpe); Antrieb" in alarm.text
     engine.close()
+
+
+def test_an_alarm_names_its_bit_and_a_bouncing_contact_is_one(tmp_path: Path) -> None:
+    faults = ROOT / "examples" / "faults"
+    for name, expected in {
+        "blocked_axis": [("E107", "X", "mpe", 5)],
+        "emergency_out": [("E101", axis, "eo", 7) for axis in "XYZ"],
+        "limit_tom": [("E104", "X", "lsrh", 5), ("E107", "X", "mpe", 0)],
+    }.items():
+        job = tmp_path / f"{name}.nc"
+        job.write_text((faults / "contour.nc").read_text())
+        job.with_suffix(".stim").write_text((faults / f"{name}.stim").read_text())
+        engine = SimEngine(str(faults / "machine.toml"), speed=0)
+        loaded(engine, job)
+        engine.start()
+        assert engine.wait(20, is_in(*RESTS))
+        snapshot = engine.snapshot()
+        assert [(a.code, a.axis, a.name, a.line) for a in snapshot.alarms] == expected
+        assert snapshot.why == expected[0][2], "what stopped the job, not what came of it"
+        bits = {axis.name: axis.bits for axis in snapshot.axes}
+        assert all(alarm.name in bits[alarm.axis] for alarm in snapshot.alarms), "until the reset"
+        assert 20 < snapshot.path_done_mm < 110 and snapshot.line in (5, 7), "where it stopped, not 0, not the end"
+        engine.close()
 
 
 @pytest.mark.parametrize("speed", [0.0, 40.0])

@@ -55,7 +55,7 @@ class Stage:
     async def load(self, path: str = "bracket_07.nc") -> None:
         """Loads the engine's job."""
         self.app.load(path)
-        await self.until(lambda: self.app.job is self.engine.job)
+        await self.until(lambda: self.app.job is self.engine.job and not any(w.is_running for w in self.app.workers))
         self.app.tick()
         self.app.messages._said = ("", 0.0)
         self.app.messages.log.clear()  # loading goes on beside the frames: the order of its lines is not fixed

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from cnc_front.engine import Alarm, State
+from cnc_front.engine import Alarm, State, Stop
 from cnc_front.history import Filter, History
 from tests.tui.fake import AXES, FakeEngine
-from tests.tui.stage import Stage, play
+from tests.tui.stage import NARROW, Stage, play
 from tui.archive import Archive
 
-MPE = Alarm(48.2, "E107", "Y", 9, "mpe: following error beyond mpe; check drive and gains, lower feed", True)
-REGISTER = Alarm(48.3, "E203", "", 0, "ProfileToSmall: blocks shorter than a sample; raise the merge tolerance", False)
+MPE = Alarm(48.2, "E107", "Y", 9, "following error 0.52 mm > 0.5 mm (mpe); check drive and gains", True, "mpe")
+REGISTER = Alarm(48.3, "E203", "", 0, "blocks shorter than a sample (ProfileToSmall)", False, "ProfileToSmall")
 FAULTY = (AXES[0], replace(AXES[1], bits=(*AXES[1].bits, "mpe")), AXES[2])
 
 
@@ -69,6 +69,28 @@ def test_the_error_register_is_cleared_by_reset_only() -> None:
         assert book.open == []
 
     play(script)
+
+
+def test_an_alarm_that_is_wider_than_the_line_is_shown_in_parts() -> None:
+    long = replace(MPE, text=f"{MPE.text}, or lower the feed or the acceleration of the axis")
+
+    async def script(stage: Stage) -> None:
+        await stage.load()
+        stage.engine.run_half()
+        stage.engine.show(state=State.ALARM, stop=Stop.FAST_STOP, alarms=(REGISTER, long), axes=FAULTY)
+        await stage.frame()
+        first = stage.message
+        assert first.startswith(" E107 Y N620 following error 0.52 mm > 0.5 mm (mpe)") and "... " in first
+        await stage.press("n")
+        assert "acceleration of the axis" in stage.message
+        await stage.press("n")
+        assert "E203 blocks shorter" in stage.message, "what did not stop the job comes later"
+        await stage.press("n")
+        assert "FAST STOP" in stage.message
+        await stage.press("6")
+        assert "acceleration of the axis" in stage.text.split("LOG")[1], "the log loses nothing either"
+
+    play(script, size=NARROW)
 
 
 def test_alarms_of_before_are_listed(tmp_path: Path) -> None:

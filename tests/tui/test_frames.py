@@ -68,7 +68,9 @@ def test_other_pages(page: str, language: str, size: str, theme: str, tmp_path, 
             await stage.load()
             stage.engine.run_half()
             if page == "alarms":
-                fault = Alarm(48.2, "E107", "Y", 9, "mpe: following error beyond mpe", True)
+                fault = Alarm(
+                    48.2, "E107", "Y", 9, "following error 0.52 mm > 0.5 mm (mpe); check drive and gains", True, "mpe"
+                )
                 stage.engine.show(state=State.ALARM, why="mpe", alarms=(fault,))
             stage.engine.registers = registers(language)
             await stage.press(keys[page])
@@ -128,7 +130,7 @@ def test_too_small(size: tuple[int, int]) -> None:
     async def script(stage: Stage) -> None:
         await stage.load()
         stage.engine.run_half()
-        stage.engine.show(alarms=(Alarm(1.0, "E107", "Y", 9, "mpe", False),))
+        stage.engine.show(alarms=(Alarm(1.0, "E107", "Y", 9, "mpe", False, "mpe"),))
         text = await stage.frame()
         if size[0] >= 40:
             assert "[SIM x50]" in text and "> RUNNING" in text and "!!1" in text

@@ -59,7 +59,7 @@ def test_german_words_and_a_fault(tmp_path: Path) -> None:
     lines = "los\nwarte\nstörungen\nquittieren\nabbruch\nabbruch ja\nwarte\nquittieren\nende\n"
     said = talk(lines, tmp_path / "contour.nc", language="de")
     text = "\n".join(said)
-    assert "STÖRUNG" in text and "E104 Y" in text and "freifahren, Reset" in text
+    assert "STÖRUNG" in text and "E104 Y" in text and "Reset, dann freifahren" in text and "bei 25.0" in text
     assert "die Ursache besteht noch" in text and "Eingeben: abbruch ja" in text
     assert "E104 Y quittiert" in text.split("Eingeben: abbruch ja")[1]
 
@@ -118,7 +118,7 @@ def test_alarms_and_results_are_told() -> None:
     def lines() -> Iterator[str]:
         engine.run_half()
         engine.ended = ended()
-        engine.show(state=State.ALARM, alarms=(Alarm(1.0, "E107", "Y", 9, "mpe: cause; remedy", True),))
+        engine.show(state=State.ALARM, alarms=(Alarm(1.0, "E107", "Y", 9, "cause; remedy", True, "mpe"),))
         yield "alarms\n"
         yield "quit\n"
 

@@ -21,6 +21,8 @@ from tui.words import Words
 
 #: Column of the text.
 TEXT = 46
+#: Column of the text in the log.
+LOG_TEXT = 18
 
 
 class AlarmsPage(Page):
@@ -72,12 +74,19 @@ def alarm_rows(
     if chosen is None:
         rows.append(Row(look.text).add(f"  {words('alarms_none')}"))
     rows += [Row(look.text), Row(look.strong).add(f" {words('log_title')}")]
-    rows += [Row(look.text).add(f"  {entry.clock}  {entry.code:<6}{entry.text}") for entry in reversed(log)]
+    rows += [row for entry in reversed(log) for row in _log_rows(shown, entry, width)]
     rows += [Row(look.dim).add(f"  {_seen(entry, words)}") for entry in book.done]
     if earlier:
         rows += [Row(look.text), Row(look.strong).add(f" {words('earlier_title')}")]
         rows += [_earlier_row(shown, row, words.language) for row in earlier]
     return [row.strip(width) for row in rows]
+
+
+def _log_rows(shown: Shown, entry: Logged, width: int) -> list[Row]:
+    """When, code, and the text in as many rows as it needs."""
+    first, *more = wrap(entry.text, width - LOG_TEXT - 1) or [""]
+    rows = [Row(shown.look.text).add(f"  {entry.clock}").at(12, entry.code).at(LOG_TEXT, first)]
+    return rows + [Row(shown.look.text).at(LOG_TEXT, text) for text in more]
 
 
 def _seen(entry: Entry, words: Words) -> str:
