@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,6 @@ from cnc_front.engine import Job, Snapshot, State, Switches, wait_for
 from cnc_front.errors import CompileError, UsageError
 from cnc_front.jobs import CompileOptions
 from cnc_front.messages import text
-from cnc_front.outcome import Outcome
 from cnc_front.search import Start
 from cnc_front.service import Service, service_of
 from cnc_front.sim_job import LoadedJob, run_time_s
@@ -29,6 +29,9 @@ from cnc_front.sim_load import Asked, Loaded, Loader
 from cnc_front.sim_machine import SimMachine
 from cnc_front.sim_run import SimRun
 from cnc_front.sim_view import Operator
+
+if TYPE_CHECKING:
+    from cnc_front.outcome import Outcome
 
 #: Samples per slice: some 5 ms of work, so that a feed hold is obeyed well within 100 ms.
 SLICE = 8192
@@ -86,6 +89,8 @@ class SimEngine:
         return self._load(path, None)
 
     def _load(self, path: str, start: str | None) -> Job:
+        import cnc_front.outcome  # noqa: F401  what a run needs comes with the job: the first screen is there sooner
+
         self._refuse_while_busy()
         loaded = self._loader.load(path, start, self._operator.switches, self._machine.bench)
         self._wish(lambda: self._take(loaded))

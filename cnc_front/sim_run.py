@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import copy
 import time
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import toolpaths as native_paths
-from cnc_front.deliver import Plotting
 from cnc_front.engine import Stop
 from cnc_front.execution import End, Execution
-from cnc_front.outcome import Outcome, outcome_of
-from cnc_front.run import RunOptions, RunResult
 from cnc_front.sim_job import LoadedJob
+
+if TYPE_CHECKING:
+    from cnc_front.outcome import Outcome
 
 #: Machine time that still passes after the axes have come to rest, so that the actual positions arrive, s.
 SETTLE_S = 0.2
@@ -30,6 +31,8 @@ class SimRun:
         self, loaded: LoadedJob, override: float, mcu: native_kernel.Mcu | None = None, *, is_test: bool = False
     ) -> None:
         """`mcu`: a controller that is ready and stands where the job begins. `is_test`: nobody is waited for."""
+        from cnc_front.deliver import Plotting
+
         machine = loaded.job.machine.machine
         self.loaded, self.is_test = loaded, is_test
         self.execution = Execution(
@@ -140,6 +143,9 @@ class SimRun:
 
     def outcome(self, number: int) -> Outcome:
         """The result of a run that is over; call it once. An aborted run counts as interrupted."""
+        from cnc_front.outcome import outcome_of
+        from cnc_front.run import RunOptions, RunResult
+
         execution = self.execution
         if self.aborted and execution.end is End.FINISHED:
             execution = copy.copy(execution)

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from textual import events
 from textual.app import ComposeResult
@@ -35,9 +35,11 @@ from tui.plot import PathPicture
 from tui.program import ProgramView, find_block, find_text
 from tui.rows import Row
 from tui.values import Shown
-from tui.viewer import Viewer
 from tui.widgets import Body, Rows
 from tui.words import Words
+
+if TYPE_CHECKING:
+    from tui.viewer import Viewer
 
 REFRESH_S = 0.1
 #: Values older than this are stale.

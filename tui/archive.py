@@ -8,10 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cnc_front.history import Filter, History, HistoryError, Row
-from cnc_front.outcome import Outcome
+
+if TYPE_CHECKING:
+    from cnc_front.outcome import Outcome
 
 SOURCE = "tui"
 #: Rows read for a screen.

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cnc_front import outputs
 from cnc_front.errors import UsageError
-from cnc_front.outcome import Outcome
 from tui.words import Words
+
+if TYPE_CHECKING:
+    from cnc_front.outcome import Outcome
 
 
 def default_folder(outcome: Outcome) -> str:

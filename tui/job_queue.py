@@ -6,14 +6,17 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.engine import Engine, Snapshot, State
 from cnc_front.errors import CompileError, Exit, UsageError
 from cnc_front.german import localized
-from cnc_front.outcome import Outcome
 from tui.states import UNDERWAY
 from tui.words import Words
+
+if TYPE_CHECKING:
+    from cnc_front.outcome import Outcome
 
 
 @dataclass(slots=True)

@@ -17,7 +17,6 @@ from tui.app import Terminal
 from tui.archive import Archive
 from tui.keys import KEYS, Key
 from tui.look import Look, choose_look
-from tui.viewer import Viewer
 from tui.words import Words
 
 #: After the terminal was closed: longest wait for standstill, and for a tidy end, s.
@@ -44,6 +43,8 @@ def run_terminal(options: argparse.Namespace, language: str) -> int:
     viewer = None
     try:
         if options.view is not None:
+            from tui.viewer import Viewer
+
             if hasattr(signal, "SIGPIPE"):
                 signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # a page that is closed ends nothing
             colours = (look.background, look.foreground)

@@ -99,7 +99,8 @@ class Messages:
         s, words, job = shown.snapshot, self._words, shown.job
         said, at = self._said
         stands = [(text, "hold" if s.state in RESUMABLE else "text") for text in [self._of_state(shown)] if text]
-        newest = [a for stopped in (True, False) for a in s.alarms[::-1] if a.stopped is stopped]  # what stopped the job comes first
+        # what stopped the job comes first, then the newest
+        newest = [a for stopped in (True, False) for a in s.alarms[::-1] if a.stopped is stopped]
         alarms = [(f"{a.code} {_placed(a, job)}", "alarm" if a.stopped else "bad") for a in newest]
         told = self._state_at <= at  # something was said since the state changed
         first, then = ([], [*alarms, *stands]) if told else (stands, alarms)

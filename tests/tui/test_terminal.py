@@ -9,6 +9,7 @@ import re
 import select
 import signal
 import struct
+import subprocess
 import sys
 import termios
 import time
@@ -208,3 +209,16 @@ def test_without_a_terminal_it_says_so() -> None:
 
     run = subprocess.run([*REAL], cwd=ROOT, capture_output=True, text=True, stdin=subprocess.DEVNULL)
     assert run.returncode == 2 and "needs a terminal" in run.stderr and "Traceback" not in run.stderr
+
+
+def test_the_first_screen_waits_for_nothing_that_only_runs_need() -> None:
+    """ui-guide section 6: first paint within 0.7 s. What measures, records and reports is loaded with the first job."""
+    probe = "import sys, time; import tui.launch, cnc_front.sim; print(time.process_time()); print(*sys.modules)"
+    took = []
+    for _ in range(3):
+        done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, cwd=ROOT, check=True)
+        seconds, modules = done.stdout.strip().split("\n")
+        late = {"cv2", "jinja2", "mcap", "scipy", "http.server", "cnc_front.deliver", "motion_kernel.mcu"}
+        assert not late & set(modules.split())
+        took.append(float(seconds))
+    assert min(took) < 0.65, "seconds of processor time: a busy machine is no failure"

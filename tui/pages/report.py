@@ -14,7 +14,6 @@ import numpy as np
 from textual.strip import Strip
 
 from cnc_front.messages import text as message
-from cnc_front.outcome import Outcome
 from tui.charts import columns, histogram
 from tui.export import default_folder, export
 from tui.look import Look
@@ -25,6 +24,7 @@ from tui.values import Shown, minutes
 from tui.words import Words
 
 if TYPE_CHECKING:
+    from cnc_front.outcome import Outcome
     from tui.app import Terminal
 
 #: Rows of a chart.
