@@ -14,26 +14,21 @@ from typing import Any
 from cnc_front import VERSION, history_arguments, tune_arguments
 from cnc_front.batch import arguments as batch_arguments
 from cnc_front.errors import CompileError, Exit, UsageError
+from cnc_front.examples import examples_text
 from cnc_front.geometry import arguments as geometry_arguments
 
-EXAMPLES = """examples:
-  cnc-front run part.nc                          dry-run, verdict on stdout
-  cnc-front run part.nc --report out --json      with HTML report, result as JSON
-  cnc-front check *.nc                           compile only, name every problem
-  cnc-front translate part.nc                    the spooled command sequence
-  cnc-front tui part.nc                          operator's terminal
-  cnc-front tune part.nc --vary mdvel,kp         what other machine parameters would give
-  cnc-front batch parts/ --machine mill.toml     many parts, with an index of the worst
-  cnc-front history --verdict FAIL --since 7d    what ran here before
-exit codes: 0 done; 1 a check failed; 2 bad input; 3 stopped by fault or time limit; 130 interrupted
+EXIT_CODES = """exit codes: 0 done; 1 a check failed; 2 bad input; 3 stopped by fault or time limit; 130 interrupted
 """
 
 
 class Parser(argparse.ArgumentParser):
-    """Reports wrong usage in one line and exit code 2. Options are written out in full."""
+    """Help begins with examples; wrong usage is one line and exit code 2. Options are written out in full."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(allow_abbrev=False, **options)
+
+    def format_help(self) -> str:
+        return examples_text(self.prog.partition(" ")[2]) + super().format_help()
 
     def error(self, message: str) -> None:  # type: ignore[override]  # argparse says NoReturn; so does the raise
         raise UsageError(f"{message} (see {self.prog} --help)")
@@ -104,6 +99,8 @@ def build_parser() -> Parser:
     common.add_argument("--lang", choices=("en", "de"), help="language of messages (default: LANG)")
     common.add_argument("--no-color", action="store_true", help="no colours (NO_COLOR does the same)")
     common.add_argument("-q", "--quiet", action="store_true", help="no progress and no warnings on stderr")
+    common.add_argument("-v", "--verbose", action="store_true", help="every warning, and what the result rests on")
+    common.add_argument("--no-input", action="store_true", help="never asks (only tui reads its input)")
     compiling = Parser(add_help=False, parents=[common])
     compiling.add_argument("--machine", metavar="FILE", help="machine file (default: machine.toml beside the job)")
     compiling.add_argument("--profile", choices=("din", "fanuc", "linuxcnc", "lathe"), help="dialect of the program")
@@ -120,7 +117,7 @@ def build_parser() -> Parser:
     parser = Parser(
         prog="cnc-front",
         description="Dry-run part programs on an emulated APCI-8001/8008; see how true the machine stays to the path.",
-        epilog=EXAMPLES,
+        epilog=EXIT_CODES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"cnc-front {VERSION}")

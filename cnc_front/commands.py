@@ -13,6 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cnc_front import VERSION
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError, Exit, UsageError
 from cnc_front.german import in_language
@@ -58,12 +59,12 @@ PER_ID = 5
 
 
 def _print_warnings(warnings: tuple[Diagnostic, ...], options: argparse.Namespace) -> None:
-    """The first warnings of each id, then how many more there are: a flood hides what matters."""
+    """The first warnings of each id, then how many more there are: a flood hides what matters. All with --verbose."""
     counts = Counter(warning.id for warning in warnings)
     shown: Counter[str] = Counter()
     for warning in () if options.quiet else warnings:
         shown[warning.id] += 1
-        if shown[warning.id] <= PER_ID:
+        if shown[warning.id] <= PER_ID or options.verbose:
             print(in_language(warning, language_from(options.lang)), file=sys.stderr)
         elif shown[warning.id] == counts[warning.id]:
             more = text(
@@ -79,6 +80,16 @@ def _print_start(job: CompiledJob, options: argparse.Namespace) -> None:
 
         units = dict(zip(job.machine.machine.axis_names, job.machine.machine.units, strict=True))
         print(start_text(job.facts["start"], units, language_from(options.lang)), file=sys.stderr)
+
+
+def _print_basis(run_object: dict[str, Any], options: argparse.Namespace) -> None:
+    """With --verbose: what exactly was run, and how long that took."""
+    if options.verbose:
+        job, machine = run_object["job"], run_object["machine"]
+        print(f"cnc-front {VERSION}; {run_object['samples']} x {run_object['sample_time_us']:g} us in "
+              f"{run_object['wall_time_s']:.2f} s", file=sys.stderr)  # fmt: skip
+        print(f"  {job['path']} sha256 {job['sha256']}", file=sys.stderr)
+        print(f"  {machine['path'] or machine['name']} sha256 {machine['sha256']}", file=sys.stderr)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -129,6 +140,7 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
             print(json.dumps(failed, allow_nan=False))
         return Exit.BAD_INPUT
     progress.end()
+    _print_basis(run_object, options)
     keep_run(run_object, options, verdict.exit)  # before printing: who reads stdout may stop reading
     if options.json:
         print(json.dumps(run_object, allow_nan=False))

@@ -220,6 +220,16 @@ TEXTS: dict[str, tuple[str, str]] = {
         "neu geprüft ab der jetzigen Stellung; r startet",
     ),
     "not_checked": ("not started: {finding}", "nicht gestartet: {finding}"),
+    "batch_head": (
+        "part|verdict|max um|at|p99|RMS|time|alarms",
+        "Teil|Urteil|max um|bei|99 %|RMS|Zeit|Störg.",
+    ),
+    "batch_foot": ("{parts} results: {counts}; {page}", "{parts} Ergebnisse: {counts}; {page}"),
+    "batch_known": ("{done} of {total} results are known", "{done} von {total} Ergebnissen sind bekannt"),
+    "batch_line": (
+        "[{done}/{total}, {rest:.0f} s of work left] {name} on {machine}:",
+        "[{done}/{total}, noch {rest:.0f} s Arbeit] {name} auf {machine}:",
+    ),
     "sweep_head": (
         "override|verdict|    time s|deviation um|path change um|ratio error %|F reached %|% of maxacc",
         "Override|Urteil |    Zeit s|Abweichung um|Bahnänderung um|Verhältnisfehler %|F erreicht %|% von maxacc",

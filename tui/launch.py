@@ -30,6 +30,8 @@ def run_terminal(options: argparse.Namespace, language: str) -> int:
 
         print(table_text(keys_of(options), Words(language)))
         return int(Exit.DONE)
+    if options.no_input:
+        raise UsageError("tui is operated by its input; cnc-front run needs none")
     if options.plain:
         return run_plain(options, language)
     if not (sys.stdin.isatty() and sys.stdout.isatty()):

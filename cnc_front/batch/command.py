@@ -17,6 +17,7 @@ from cnc_front.batch.store import Row, Store
 from cnc_front.errors import Exit, UsageError
 from cnc_front.interrupt import interruptible
 from cnc_front.jobs import load_machine
+from cnc_front.messages import language_from, text
 
 #: Bytes of text that take as long as starting a part does.
 TASK_BYTES = 5_000
@@ -40,19 +41,30 @@ def batch(options: argparse.Namespace) -> int:
         # the largest first: none of them is left for one worker at the end, when the others have nothing to do
         todo = sorted((task for task in wanted if task.key not in known), key=lambda task: -task.part.bytes)
         size = sum(t.part.bytes + TASK_BYTES for t in todo)
-        progress = Progress(len(wanted), len(wanted) - len(todo), size, options.quiet)
-        for outcome in runner(options, interrupted)(todo):
+        progress = Progress(len(wanted), len(wanted) - len(todo), size, options)
+        failed: list[Row] = []
+
+        def over() -> bool:
+            return interrupted() or (options.fail_fast and bool(failed))
+
+        for outcome in runner(options, over)(todo):
             row = store.put(outcome)
             progress.tell(outcome, row)
+            failed += [row] if row["code"] else []
             if options.json:
                 print(json.dumps({name: row[name] for name in row if name not in ("run", "stderr")}), flush=True)
+            if over():
+                break
         stopped = interrupted()
     keys = {task.key for task in wanted}
     rows = [row for row in store.rows() if row["key"] in keys]
-    reports = {} if stopped else worst_reports(rows, wanted, options, out)
+    reports = {} if stopped or (failed and options.fail_fast) else worst_reports(rows, wanted, options, out)
     write_pages(out, rows, reports)
     store.close()
-    progress.end(rows)
+    if not options.json:
+        from cnc_front.batch.table import table
+
+        print(table(rows, out / "index.html", language_from(options.lang)))
     return Exit.INTERRUPTED if stopped else max((row["code"] for row in rows), default=int(Exit.DONE))
 
 
@@ -128,11 +140,12 @@ def worst_reports(rows: Sequence[Row], tasks: Sequence[Task], options: argparse.
 class Progress:
     """One line a result on stderr, with the rest time by the size of what is left."""
 
-    def __init__(self, total: int, done: int, todo_bytes: int, quiet: bool) -> None:
+    def __init__(self, total: int, done: int, todo_bytes: int, options: argparse.Namespace) -> None:
         self.total, self.done, self.left = total, done, todo_bytes
-        self.quiet, self.spent, self.bytes = quiet, 0.0, 0
-        if done and not quiet:
-            print(f"{done} of {total} results are known", file=sys.stderr)
+        self.quiet, self.language = options.quiet, language_from(options.lang)
+        self.spent, self.bytes = 0.0, 0
+        if done and not self.quiet:
+            print(text("batch_known", self.language, done=done, total=total), file=sys.stderr)
 
     def tell(self, outcome: Outcome, row: Row) -> None:
         """A result has come."""
@@ -143,13 +156,6 @@ class Progress:
             return
         rest = self.spent / self.bytes * self.left
         figures = f"{row['deviation_max_mm'] * 1e3:.2f} um" if row["deviation_max_mm"] is not None else ""
-        name = f"{row['part']} on {row['machine_name']}"
-        begin = f"[{self.done}/{self.total}, {rest:.0f} s of work left]"
-        print(f"{begin} {name}: {row['verdict']} {figures} {row['reason']}".rstrip(), file=sys.stderr)
-
-    def end(self, rows: Sequence[Row]) -> None:
-        """All results are there."""
-        if not self.quiet:
-            from cnc_front.batch.pages import counts
-
-            print(", ".join(f"{count} {word}" for word, count in counts(rows).items()), file=sys.stderr)
+        facts = {"name": row["part"], "machine": row["machine_name"], "rest": rest}
+        begin = text("batch_line", self.language, done=self.done, total=self.total, **facts)
+        print(f"{begin} {row['verdict']} {figures} {row['reason']}".rstrip(), file=sys.stderr)

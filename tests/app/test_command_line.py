@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -13,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from cnc_front.cli import build_parser
+from cnc_front.examples import EXAMPLES
 from tests.app.conftest import ROOT, Cli
 
 HEAVY = {"textual", "cv2", "numpy", "jinja2", "mcap", "scipy", "rich"}
@@ -36,7 +40,34 @@ def test_help_loads_nothing_heavy_and_is_quick() -> None:
         assert not HEAVY & set(modules.split()), "heavy modules at start-up"
         took.append(float(seconds))
     assert min(took) < 0.3, "seconds of processor time: a busy machine is no failure"
-    assert "examples:" in done.stdout
+    assert done.stdout.startswith("examples:\n")
+
+
+@pytest.mark.parametrize("command", EXAMPLES)
+def test_help_begins_with_examples_that_are_right(cli: Cli, command: str) -> None:
+    ran = cli(*command.split(), "-h")
+    assert ran.code == 0 and ran.out.startswith("examples:\n  cnc-front ")
+    for line, _ in EXAMPLES[command]:
+        assert line in ran.out
+        words = shlex.split(line.partition(" > ")[0])[1:]
+        assert build_parser().parse_args(words).command == (command or words[0])
+
+
+def test_every_command_has_examples(cli: Cli) -> None:
+    commands = re.findall(r"^    (\w+)", cli("-h").out.partition("COMMAND\n")[2].partition("options:")[0], re.M)
+    assert len(commands) > 8 and set(EXAMPLES) == {"", *commands}
+
+
+def test_verbose_quiet_and_no_input(cli: Cli, job: Callable[..., Path]) -> None:
+    path = job("G90 G21 F1000\n" + "".join(f"N{n // 2} G1 X{n}\n" for n in range(20)) + "M30\n")
+    usual, verbose, quiet = (cli("run", path, *more) for more in ((), ("-v",), ("-q",)))
+    assert (usual.err.count("GW908"), verbose.err.count("GW908"), quiet.err) == (6, 10, "")
+    assert "5 more GW908" in usual.err and "sha256" in verbose.err and "samples" not in usual.err
+    result = [re.sub(r"\(\d+\.\d+ s\)", "", ran.out) for ran in (usual, verbose, quiet)]
+    assert result[0] == result[1] == result[2], "the result is the same, but for the time on the wall"
+    ran = cli("tui", "--no-input", "--plain", path)
+    assert ran.code == 2 and "cnc-front run needs none" in ran.err
+    assert cli("run", "--no-input", path).code == 0
 
 
 def test_version(cli: Cli) -> None:

@@ -55,6 +55,29 @@ def test_what_is_known_is_not_run_again(parts: Path, tmp_path: Path) -> None:
     assert len(results(out)) == 8
 
 
+def test_the_table_goes_to_stdout_and_one_bad_part_does_not_stop_the_rest(tmp_path: Path) -> None:
+    for name, text in {"a": program(3, 2), "b": "G90 G21\nG1 X5 F100000\nM30\n", "c": "G1 X5\nM30\n"}.items():
+        (tmp_path / f"{name}.nc").write_text(text)
+    paths = [tmp_path / f"{name}.nc" for name in "abc"]
+    ran = batch(*paths, "--out", tmp_path / "out", "-j", 1, code=2)
+    head, *rows, foot = ran.stdout.splitlines()
+    assert head.split() == ["part", "verdict", "max", "um", "at", "p99", "RMS", "time", "alarms"]
+    assert [row.split()[1] for row in rows if row[0] != " "] == ["ERROR", "WARN", "PASS"], "worst first"
+    assert "no feed programmed" in rows[1] and len({len(row) for row in (head, rows[0], rows[2], rows[3])}) == 1
+    assert foot.startswith("3 results: 1 ERROR, 1 WARN, 1 PASS; ") and foot.endswith("index.html")
+    assert "of work left" in ran.stderr and "work left" not in ran.stdout
+    german = batch(*paths, "--out", tmp_path / "out", "--lang", "de", "-q", code=2)
+    assert german.stdout.startswith("Teil") and "3 Ergebnisse: 1 ERROR" in german.stdout and german.stderr == ""
+
+
+def test_fail_fast_ends_at_the_first_that_is_not_good(tmp_path: Path) -> None:
+    (tmp_path / "long.nc").write_text("G90 G21 (the largest comes first; it has no F)\n" + "G1 X5\n" * 50 + "M30\n")
+    for n in range(4):
+        (tmp_path / f"good{n}.nc").write_text(program(n, 2))
+    ran = batch(tmp_path, "--out", tmp_path / "out", "-j", 1, "--fail-fast", code=2)
+    assert [row["code"] for row in results(tmp_path / "out")] == [2] and "1 results: 1 ERROR" in ran.stdout
+
+
 def test_a_changed_subprogram_counts_as_a_change(tmp_path: Path) -> None:
     folder = tmp_path / "parts"
     folder.mkdir()
