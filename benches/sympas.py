@@ -76,6 +76,14 @@ LOOPS = [
         "local function fib(n)\n  if n < 2 then return n end\n  return fib(n - 1) + fib(n - 2)\nend\nprint(fib(26))\n",
         2 * 392_835,
     ),
+    (
+        "registers",
+        "var i : integer;\nbegin\n  for i := 1 to 1000000 do begin\n    X.jvl := Y.jac * 0.5;\n"
+        "    Y.jvl := X.poserr + Y.slr;\n  end;\nend.\n",
+        "local X, Y = {poserr = 0.0}, {jac = 1.0, slr = 400.0}\nfor i = 1, 1000000 do\n  X.jvl = Y.jac * 0.5\n"
+        "  Y.jvl = X.poserr + Y.slr\nend\n",
+        3_000_000,
+    ),
 ]
 
 

@@ -33,6 +33,7 @@ from cnc_front.jobs import (
 from cnc_front.messages import language_from, text
 
 if TYPE_CHECKING:
+    from cnc_front._native import motion_kernel as native_kernel
     from cnc_front.geometry.arguments import ReferenceOptions
     from cnc_front.geometry.checks import Checks
     from cnc_front.run import RunOptions, RunResult
@@ -104,8 +105,6 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     if _is_autocode(options.job, options.language):
         from cnc_front.sap_command import run_sap
 
-        if options.override_sweep or options.samples or options.scan is not None:
-            raise UsageError("--override-sweep, --samples and --scan are for part programs")
         return run_sap(options, interrupted)
     if options.task:
         raise UsageError("--task is for rw_SymPas jobs")
@@ -123,7 +122,7 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     run_options = replace(run_options, sweep=parse_sweep(options.override_sweep), samples=options.samples)
     inputs = [options.job, options.machine or "", options.stimulus or "", options.setup or "", options.reference or ""]
     about_reference = reference_options(options)
-    _check_extras(options)
+    check_extras(options)
     record = outputs.check_recording(options.record, inputs) if options.record else None
     report = outputs.check_report(options.report, inputs) if options.report else None
     loaded = _Loaded()
@@ -185,14 +184,14 @@ def _executed(
     job = loaded.load(options)
     wanted = chosen(job.machine)
     checks = _checks(job, options, about_reference)
-    wanted = replace(wanted, scan=_scan(job, options))
+    wanted = replace(wanted, scan=scanned(options, job.machine.machine))
     _print_warnings(job.warnings, options)
     _print_start(job, options)
     language = language_from(options.lang)
     return run_and_write(job, wanted, options.tolerance, record, report, language, checks)
 
 
-def _check_extras(options: argparse.Namespace) -> None:
+def check_extras(options: argparse.Namespace) -> None:
     """What an option needs beside a plain installation is there."""
     if options.time_optimal:
         from cnc_front.time_optimal import check_available
@@ -216,13 +215,13 @@ def _checks(job: CompiledJob, options: argparse.Namespace, reference: ReferenceO
     return checks_of_job(job, path, options.reference, reference, options.tolerance)
 
 
-def _scan(job: CompiledJob, options: argparse.Namespace) -> tuple[str, ...]:
+def scanned(options: argparse.Namespace, machine: native_kernel.Machine) -> tuple[str, ...]:
     """Resources to record, by name."""
     if options.scan is None:
         return ()
     from cnc_front.scan import parse_scan
 
-    return parse_scan(options.scan, job.machine.machine, recorded=options.record is not None)
+    return parse_scan(options.scan, machine, recorded=options.record is not None)
 
 
 def _setup_path(options: argparse.Namespace) -> str | None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cnc_front import VERSION
 from cnc_front._native import motion_kernel as native_kernel
@@ -37,8 +39,8 @@ if TYPE_CHECKING:
     from cnc_front.time_optimal import TimeOptimal
 
 
-class _Both:
-    """Hands what a run tells to several sinks."""
+class Both:
+    """A sink: hands what a run tells to several sinks."""
 
     def __init__(self, *sinks: Sink | None) -> None:
         self._sinks = [sink for sink in sinks if sink is not None]
@@ -64,16 +66,16 @@ def run_and_write(
     more = checks.attachments() if checks else []
     sink = RecordingSink(record, job, metadata, more, options.scan) if record else None
     plotting = Plotting(tolerance) if report else None
-    table = _samples_file(job, report) if report is not None and options.samples else None
-    result = dry_run(job, options, _Both(sink, checks, table), plotting)
+    table = samples_file(job.machine.machine, report) if options.samples else None
+    result = dry_run(job, options, Both(sink, checks, table), plotting)
     if table is not None:
         table.close()
     files = {"recording": shown(record) if record else None, "report": shown(report) if report else None}
     verdict, run = judged(result, tolerance_mm, files, checks)
     if options.sweep:
-        from cnc_front.sweep import override_sweep
+        from cnc_front.sweep import job_at, override_sweep
 
-        run["override_sweep"] = override_sweep(job, options, options.sweep, tolerance)
+        run["override_sweep"] = override_sweep(options.sweep, job_at(job, options, tolerance))
     optimal = None
     if options.time_optimal and result.path is not None:
         optimal = _optimal(job.program.sequence(), result.path, result.tracker, job.machine.machine, run["samples"])
@@ -98,10 +100,12 @@ def run_streamed(
     return result, *judged(result, tolerance_mm, {"recording": None, "report": None})
 
 
-def _samples_file(job: CompiledJob, report: Path) -> SamplesFile:
+def samples_file(machine: native_kernel.Machine, report: Path | None) -> SamplesFile | None:
+    """The file of all samples beside a report."""
+    if report is None:
+        return None
     from cnc_front.samples import SamplesFile
 
-    machine = job.machine.machine
     return SamplesFile(report, machine.axis_names, machine.sample_time_us * 1e-6)
 
 
@@ -111,7 +115,7 @@ def judged(
     """The verdict of a run that is over, and the object of design 3.2; `tolerance_mm` None: that of the machine."""
     machine = result.job.machine.machine
     tolerance = tolerance_mm if tolerance_mm is not None else machine.tolerance_mm
-    found, more = _checked(checks, tolerance)
+    found, more = checked(checks, tolerance)
     named = evidence_keys(result.tracker, result.summary, machine, tolerance)
     verdict = with_findings(judge(result, tolerance, more), named["findings"])
     motors = motor_commands(result.execution.mcu, machine.axis_names)
@@ -120,7 +124,7 @@ def judged(
     return verdict, run
 
 
-def _checked(checks: Checks | None, tolerance_mm: float) -> tuple[dict[str, Any], tuple[Reason, ...]]:
+def checked(checks: Checks | None, tolerance_mm: float) -> tuple[dict[str, Any], tuple[Reason, ...]]:
     """What drawing and setup show: keys of the object of a run, reasons for its verdict."""
     if checks is None:
         return {}, ()
@@ -139,21 +143,24 @@ def report_from_recording(
     """
     from cnc_front.report import write_report
 
-    write_report(measured_report(recording, setup, reference), folder, language)
+    write_report(measured_report(recording, setup, reference, language), folder, language)
 
 
-def measured_report(recording: str, setup: Setup | None = None, reference: Reference | None = None) -> ReportInput:
+def measured_report(
+    recording: str, setup: Setup | None = None, reference: Reference | None = None, language: str = "en"
+) -> ReportInput:
     """All that the report of a recorded run shows; raises CompileError for what is no recording of ours."""
     with content_of(recording):
-        return _measured_again(open_recording(recording), setup, reference)
+        recorded = open_recording(recording)
+        if recorded.metadata.get("language", "din66025") == "din66025":
+            return _measured_again(recorded, setup, reference)
+        from cnc_front.sap_deliver import measured_again
+
+        return measured_again(recorded, setup, reference, language)
 
 
 def _measured_again(recorded: Recorded, setup: Setup | None, reference: Reference | None) -> ReportInput:
     metadata = recorded.metadata
-    if metadata.get("language", "din66025") != "din66025":
-        from cnc_front.sap_deliver import measured_again
-
-        return measured_again(recorded)
     machine = native_kernel.Machine.parse(recorded.machine_text.encode(), metadata["machine_path"])
     source = JobSource(metadata["job_path"], recorded.job, "din66025")
     path = native_paths.Path(recorded.sequence)
@@ -168,10 +175,10 @@ def _measured_again(recorded: Recorded, setup: Setup | None, reference: Referenc
         passages=wanted,
     )
     plotting.begin(path, tracker)
-    checks = _recorded_checks(recorded, machine, setup, reference)
-    samples = _measure(recorded, tracker, plotting, checks)
+    checks = checks_recorded(recorded, machine, setup, reference)
+    samples = measure_recorded(recorded, tracker.feed_columns, plotting, checks)
     summary = tracker.finish()
-    run = run_of(recorded, source, machine, summary, samples) | _checked(checks, 0.0)[0]
+    run = run_of(recorded, source, machine, summary, samples) | checked(checks, 0.0)[0]
     run |= evidence_keys(tracker, summary, machine, plotting.tolerance_mm)
     report = plotting.report_input(run, summary, source, machine, sorted(recorded.events, key=_order))
     report.checks = checks
@@ -195,9 +202,10 @@ def _optimal(
     return time_optimal(sequence, path, tracker, machine, samples)
 
 
-def _recorded_checks(
+def checks_recorded(
     recorded: Recorded, machine: native_kernel.Machine, setup: Setup | None, reference: Reference | None
 ) -> Checks | None:
+    """The checks that a recording carries, or those given now."""
     if setup is None and reference is None and not recorded.files:
         return None
     from cnc_front.geometry.checks import recorded_checks
@@ -205,11 +213,14 @@ def _recorded_checks(
     return recorded_checks(machine, recorded.metadata, recorded.files, setup, reference)
 
 
-def _measure(recorded: Recorded, tracker: native_paths.Tracker, plotting: Plotting, checks: Checks | None) -> int:
+def measure_recorded(
+    recorded: Recorded, feed: Callable[..., NDArray[np.float32]], plotting: Plotting, checks: Checks | None
+) -> int:
+    """Feeds the samples of a recording to a tracker (Tracker.feed_columns); how many there are."""
     samples = 0
     for columns in recorded.columns():
         names = ("dp", "load", "rp", "factor", "v_plan", "entry", "flags")
-        deviation = tracker.feed_columns(columns["first_sample"], *(columns[name] for name in names))
+        deviation = feed(columns["first_sample"], *(columns[name] for name in names))
         plotting.add(deviation)
         if checks is not None:
             checks.feed_recorded(columns, recorded.events)

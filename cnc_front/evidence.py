@@ -83,6 +83,7 @@ def finding_text(entry: dict[str, Any], language: str) -> str:
         "size_um": entry["size_mm"] * 1e3,
         "max_um": entry["max_mm"] * 1e3,
         "line": entry["line"],
+        "file": entry.get("file"),
         "axes": " ".join(entry["axes"]),
         "samples": entry.get("lag_samples", 0.0),
         "ms": entry.get("lag_s", 0.0) * 1e3,

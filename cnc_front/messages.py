@@ -67,6 +67,7 @@ TEXTS: dict[str, tuple[str, str]] = {
         "alarm {name} {axis} at {t_s:.3f} s, line {line}",
         "Störung {name} {axis} bei {t_s:.3f} s, Zeile {line}",
     ),
+    "alarm_idle": ("alarm {name} {axis} at {t_s:.3f} s", "Störung {name} {axis} bei {t_s:.3f} s"),
     "fault": (
         "stopped by fault {name} {axis} at {t_s:.3f} s, line {line}, {place}",
         "angehalten durch Störung {name} {axis} bei {t_s:.3f} s, Zeile {line}, {place}",
@@ -96,10 +97,6 @@ TEXTS: dict[str, tuple[str, str]] = {
     "sap_no_contour": (
         "none: no motion command was spooled; direct moves have no programmed contour",
         "keine: nichts wurde gespoolt; direkte Bewegungen haben keine programmierte Kontur",
-    ),
-    "sap_no_report": (
-        "no report: no motion command was spooled, and direct moves have no programmed contour",
-        "kein Bericht: nichts wurde gespoolt, und direkte Bewegungen haben keine programmierte Kontur",
     ),
     "sap_measured": (
         "measured for {seconds:.3f} s; direct moves have no programmed contour",
@@ -293,7 +290,10 @@ TEXTS: dict[str, tuple[str, str]] = {
 
 
 def text(id: str, language: str, **values: Any) -> str:
-    """The message in that language with its values filled in; `kind` and `body` may be ids of words."""
+    """The message in that language with its values filled in; `kind` and `body` may be ids of words. A `line` of
+    another `file` than that of the job is told with its name."""
+    if values.get("file"):
+        values["line"] = f"{values['line']} ({values['file']})"
     for key in ("kind", "body"):
         if values.get(key) in TEXTS:
             values[key] = TEXTS[values[key]][LANGUAGES.index(language)]

@@ -7,7 +7,7 @@ import json
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError, Exit, UsageError
@@ -24,13 +24,17 @@ from cnc_front.jobs import (
 from cnc_front.messages import language_from, text
 from cnc_front.sap_run import TASKS, SapOptions, Task
 
-#: Options of `run` that are for part programs: name and option.
+if TYPE_CHECKING:
+    from cnc_front.geometry.arguments import ReferenceOptions
+    from cnc_front.geometry.checks import Checks
+    from cnc_front.sap_deliver import Wanted
+
+#: Options of `run` that rw_SymPas jobs do not have, and why.
 FOREIGN = {
-    "start": "from",
-    "stop": "to",
-    "time_optimal": "time-optimal",
-    "setup": "setup",
-    "reference": "reference",
+    "start": "--from: a rw_SymPas job has no blocks to begin at; its variables and waits need the run before",
+    "stop": "--to: a rw_SymPas job has no block to end at; put a STOP into the job",
+    "time_optimal": "--time-optimal: waits and inputs decide too how long a rw_SymPas job takes, not its path alone",
+    "setup": "--setup: a rw_SymPas job names no tools and tells no rapid moves, so material cannot be calculated",
 }
 
 
@@ -79,19 +83,19 @@ def load_tasks(options: argparse.Namespace, machine: MachineFile) -> list[Task]:
 
 def run_sap(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
     """`cnc-front run job.src [--task 1=monitor.src ...]`."""
-    from cnc_front import outputs
+    from cnc_front.geometry.arguments import reference_options
     from cnc_front.schedule import parse_schedule
 
     _refuse_foreign(options)
-    schedule = parse_schedule(options.override)
-    inputs = [options.job, options.machine or "", options.stimulus or "", *(path for _, path in _asked(options))]
-    record = outputs.check_recording(options.record, inputs) if options.record else None
-    report = outputs.check_report(options.report, inputs) if options.report else None
+    schedule, about = parse_schedule(options.override), reference_options(options)
+    given = (options.job, options.machine, options.stimulus, options.reference)
+    wanted = _wanted(options, [*(path or "" for path in given), *(path for _, path in _asked(options))])
     machine = None
     try:
         machine = load_machine(options.machine, options.job)  # known to the result even if a job does not compile
         tasks = load_tasks(options, machine)
         stimulus = load_stimulus(options.stimulus, options.job, machine)
+        wanted = replace(wanted, checks=_checks(options, machine, about))
     except CompileError as error:
         from cnc_front.verdict import failed_object
 
@@ -103,24 +107,45 @@ def run_sap(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int
         return Exit.BAD_INPUT
     for task in tasks:
         _say(task.warnings, options)
-    return _run_tasks(
-        options, machine, tasks, SapOptions(options.max_time, interrupted, stimulus, schedule), record, report
-    )
+    from cnc_front.commands import scanned
+
+    scan = scanned(options, machine.machine)
+    sap_options = SapOptions(options.max_time, interrupted, stimulus, schedule, scan)
+    return _run_tasks(options, machine, tasks, sap_options, wanted)
 
 
 def _refuse_foreign(options: argparse.Namespace) -> None:
-    for name, option in FOREIGN.items():
+    for name, why in FOREIGN.items():
         if getattr(options, name, None):
-            raise UsageError(f"--{option} is for part programs, not for rw_SymPas jobs")
+            raise UsageError(why)
+
+
+def _wanted(options: argparse.Namespace, inputs: list[str]) -> Wanted:
+    """What the run is to leave. Raises UsageError."""
+    from cnc_front import outputs
+    from cnc_front.commands import check_extras
+    from cnc_front.sap_deliver import Wanted
+    from cnc_front.sweep import parse_sweep
+
+    check_extras(options)
+    record = outputs.check_recording(options.record, inputs) if options.record else None
+    report = outputs.check_report(options.report, inputs) if options.report else None
+    return Wanted(options.tolerance, record, report, options.samples, parse_sweep(options.override_sweep))
+
+
+def _checks(options: argparse.Namespace, machine: MachineFile, about: ReferenceOptions) -> Checks | None:
+    """The check against a drawing. Raises CompileError for one that cannot be read."""
+    if options.reference is None:
+        return None
+    from cnc_front.geometry.checks import checks_of_drawing
+
+    if not {"X", "Y"} <= set(machine.machine.axis_names):
+        raise UsageError("--reference: a drawing needs axes X and Y; the machine has none of these names")
+    return checks_of_drawing(machine, options.reference, about, options.tolerance)
 
 
 def _run_tasks(
-    options: argparse.Namespace,
-    machine: MachineFile,
-    tasks: list[Task],
-    sap_options: SapOptions,
-    record: Path | None,
-    report: Path | None,
+    options: argparse.Namespace, machine: MachineFile, tasks: list[Task], sap_options: SapOptions, wanted: Wanted
 ) -> int:
     from cnc_front.progress import Progress
     from cnc_front.sap_deliver import run_and_write
@@ -129,10 +154,8 @@ def _run_tasks(
     language = language_from(options.lang)
     progress = Progress(language, quiet=options.quiet)
     sap_options = replace(sap_options, progress=progress.at)
-    result, verdict, run = run_and_write(machine, tasks, sap_options, options.tolerance, record, report, language)
+    result, verdict, run = run_and_write(machine, tasks, sap_options, wanted, language)
     progress.end()
-    if report is not None and run["files"]["report"] is None and not options.quiet:
-        print(f"cnc-front: {text('sap_no_report', language)}", file=sys.stderr)
     keep_run(run, options, verdict.exit)
     print(json.dumps(run, allow_nan=False) if options.json else result_text(result, verdict, run, language))
     return verdict.exit
@@ -149,10 +172,10 @@ def _list_spooled(options: argparse.Namespace, machine: MachineFile, task: Task)
 
     stimulus = load_stimulus(None, options.job, machine)
     run = SapRun(machine, [task], SapOptions(LISTED_S, stimulus=stimulus)).run()
-    for row in rows_as_json(run.listing, machine.machine.axis_names):
+    for row in rows_as_json(run.listing, machine.machine.axis_names, run.places):
         print(json.dumps(row, allow_nan=False))
     if task.error is not None:
-        values = {"task": task.number, "errnum": task.error[0], "line": task.error[1]}
+        values = {"errnum": task.error[0]} | run.places.at(task.place)
         print(f"cnc-front: {text('sap_error', language_from(options.lang), **values)}", file=sys.stderr)
         return Exit.STOPPED
     return Exit.DONE

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front.jobs import MachineFile, shown
+from cnc_front.sap_places import joined
 from cnc_front.sap_run import SapRun, Task
 from motion_kernel.debug import TaskEye
 
@@ -25,7 +26,9 @@ class TaskState:
     name: str
     #: runs, waits, step, halted, rests (not begun, stopped or at its end), error
     state: str
-    line: int
+    #: line in its file, and place: its line among those of all files of the task (see TaskEye.files)
+    line: str
+    place: int
     error: str
     #: events that it has enabled, and the handler being executed
     events: tuple[str, ...]
@@ -46,8 +49,9 @@ class DebugSession:
     def __post_init__(self) -> None:
         for task in self.tasks:
             self.views[task.number] = TaskEye(self.mcu, task.number)
+            self.mcu.number_lines(task.number, 0)  # every task counts for itself here
             self.mcu.stopcnct(task.number)
-            self._lines[task.number] = task.source.text().splitlines()
+            self._lines[task.number] = joined([task]).text().splitlines()
 
     @property
     def mcu(self) -> native_kernel.Mcu:
@@ -60,25 +64,42 @@ class DebugSession:
         return self.run.tasks
 
     def lines(self, number: int) -> list[str]:
-        """The source text of a task."""
+        """The source text of a task, its includes behind it, as places count."""
         return self._lines[number]
+
+    def titles(self, number: int) -> dict[int, str]:
+        """Names of the includes of a task, by what is added to their lines."""
+        return {first: Path(path).name for path, first in self.views[number].files if first}
 
     def state(self, task: Task) -> TaskState:
         """Where a task is."""
         view, number = self.views[task.number], task.number
         status, name = view.status, Path(shown(task.source.path)).name
-        events, handler = tuple(view.events), view.handler
+        events, handler, place = tuple(view.events), view.handler, view.place
+        line = view.text_of(place) if place else "0"
         if status.errnum:
             error = f"{status.errnum} ({status.errnum:X}h)"
-            return TaskState(number, name, "error", status.errline, error, events, handler)
+            return TaskState(number, name, "error", line, place, error, events, handler)
         word = next((word for bit, word in WORDS if status.running & bit), "rests")
-        return TaskState(number, name, word, status.csrcline, "", events, handler)
+        return TaskState(number, name, word, line, place, "", events, handler)
 
-    def toggle_break(self, number: int, line: int) -> bool:
-        """Sets a breakpoint, or takes it away; True if it is there now."""
+    def toggle_break(self, number: int, place: int) -> int | None:
+        """Sets a breakpoint, or takes it away; on a line without statement at the next one in its file. The place; None
+        where no statement follows."""
         view = self.views[number]
-        view.break_at(*(view.breaks ^ {line}))
-        return line in view.breaks
+        found = view.next_break(place)
+        if found is None or self._file_at(number, found) != self._file_at(number, place):
+            return None
+        view.break_at_places(view.breaks ^ {found})
+        return found
+
+    def _file_at(self, number: int, place: int) -> int:
+        return max((first for _, first in self.views[number].files if first < place), default=0)
+
+    def assign(self, number: int, text: str) -> None:
+        """Sets a variable: `name := value` or `name = value`. ValueError says what is wrong."""
+        name, _, value = text.replace(":=", "=").partition("=")
+        self.views[number].assign(name.strip(), value_of(value.strip()))
 
     def go(self, number: int) -> None:
         """Lets a task run on to its next breakpoint, or starts it anew where nothing is left to continue."""
@@ -101,6 +122,10 @@ class DebugSession:
         self.mcu.resume()
         self.held = False
 
+    def position(self, axis: int) -> float:
+        """Set position of an axis, in its unit."""
+        return self.mcu.read_axis_register(axis, "dp")
+
     @property
     def travels(self) -> bool:
         """Some axis is at work, or has something to do."""
@@ -115,6 +140,21 @@ class DebugSession:
             text = self.mcu.take_output(task.number)
             self.output += [f"{task.number}: {line}" for line in text.splitlines()]
         del self.output[:-OUTPUT_LINES]
+
+
+def value_of(text: str) -> bool | int | float:
+    """A literal of the language: TRUE, FALSE, 12, $1F, 1.5. ValueError for anything else."""
+    word = text.upper()
+    if word in ("TRUE", "FALSE"):
+        return word == "TRUE"
+    try:
+        return int(word[1:], 16) if word.startswith("$") else int(word)
+    except ValueError:
+        pass
+    try:
+        return float(word)
+    except ValueError:
+        raise ValueError(f"'{text}' is no number, TRUE or FALSE") from None
 
 
 def debug_session(machine: MachineFile, tasks: list[Task]) -> DebugSession:

@@ -19,9 +19,10 @@ from cnc_front._native import toolpaths as native_paths
 from cnc_front.errors import Exit
 from cnc_front.execution import End, Happened
 from cnc_front.run import Sink, Watcher
-from cnc_front.sap_run import SapRun, Task
+from cnc_front.sap_places import Places
+from cnc_front.sap_run import SapRun
 from cnc_front.schedule import Schedule
-from cnc_front.spooled import Lane, Paths, paths_of
+from cnc_front.spooled import Lane, Listing, Paths, paths_of
 
 
 class Feed(Protocol):
@@ -80,15 +81,20 @@ def together(summaries: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 @dataclass(slots=True)
 class Measured:
-    """A job that ran, and what was measured. `summary` is None where nothing was spooled."""
+    """A job that ran, and what was measured; without a contour only what is said of axes."""
 
     run: SapRun
     paths: Paths
     schedule: Schedule
-    measuring: Measuring | None = None
-    summary: dict[str, Any] | None = None
+    measuring: Measuring
+    summary: dict[str, Any] = field(default_factory=dict)
     #: why the listing is no path
     refused: str = ""
+
+    @property
+    def has_contour(self) -> bool:
+        """Something was spooled, and it is a path."""
+        return bool(self.paths.lanes[0].rows) and not self.refused
 
     @property
     def lanes(self) -> list[Lane]:
@@ -96,52 +102,42 @@ class Measured:
         return self.paths.lanes
 
     @property
+    def places(self) -> Places:
+        """What the line numbers mean."""
+        return self.run.places
+
+    @property
     def measured_s(self) -> float:
-        """Machine time on programmed contours."""
-        if self.measuring is None:
-            return 0.0
-        return sum(int(s["samples"]) for s in self.measuring.summaries) * self.run.sample_time_s
-
-
-def line_offsets(tasks: Sequence[Task]) -> dict[int, int]:
-    """What is added to the lines of each task, so that one number names a line of all texts behind each other."""
-    offsets, total = {}, 0
-    for task in tasks:
-        offsets[task.number] = total
-        total += max(1, len(task.source.text().splitlines()))
-    return offsets
-
-
-def place_of(line: int, offsets: dict[int, int]) -> tuple[int, int]:
-    """Task and line of a line of all texts."""
-    task = max((n for n, offset in offsets.items() if offset < max(line, 1)), key=lambda n: offsets[n])
-    return task, line - offsets[task]
+        """Machine time on programmed contours: at most that of the run where lanes run side by side."""
+        samples = sum(int(s["samples"]) for s in self.measuring.summaries)
+        return min(samples, self.run.mcu.samples()) * self.run.sample_time_s
 
 
 def measured_run(
     make: Callable[[], SapRun], sink: Callable[[Paths], Sink] | None = None, watcher: Watcher | None = None
 ) -> Measured:
-    """Runs the job, and again to measure it where it spooled something or the samples are wanted."""
-    first = make().run()
-    paths = paths_of(first.listing, first.mcu.samples(), line_offsets(first.tasks))
-    paths.lanes.sort(key=lambda lane: -len(lane.rows))
-    if not paths.lanes and sink is None:
-        return Measured(first, paths, first.options.schedule)
-    second = make()
-    result = Measured(second, paths, first.options.schedule)
-    if paths.lanes:
-        try:
-            result.measuring = _measuring(first, paths)
-        except ValueError as error:
-            result.refused = str(error)
-    if watcher is not None and result.measuring is not None:
-        watcher.begin(result.measuring.paths[0], result.measuring.trackers[0])
-    recording = sink(paths) if sink is not None else None
-    second.sink = _through(result.measuring, recording, watcher)
+    """Runs the job, and again to measure it against what it has spooled, or where its samples are wanted."""
+    first = make()
+    nothing = paths_of(Listing(), 0, first.mcu.axis_count())
+    idle = _measuring(first, nothing)
+    first.sink = _through(idle, None, None)
+    first.run()
+    if not first.listing.parts and sink is None and watcher is None:
+        return Measured(first, nothing, first.options.schedule, idle, idle.finish())
+    second, refused = make(), ""
+    paths = paths_of(first.listing, first.mcu.samples(), first.mcu.axis_count())
+    try:
+        measuring = _measuring(first, paths)
+    except ValueError as error:
+        refused, paths = str(error), nothing
+        measuring = _measuring(first, paths)
+    result = Measured(second, paths, first.options.schedule, measuring, refused=refused)
+    if watcher is not None:
+        watcher.begin(measuring.paths[0], measuring.trackers[0])
+    second.sink = _through(measuring, sink(paths) if sink is not None else None, watcher)
     second.run(first.mcu.samples())
     _end_like(second, first)
-    if result.measuring is not None:
-        result.summary = result.measuring.finish()
+    result.summary = measuring.finish()
     return result
 
 
@@ -155,16 +151,13 @@ def _measuring(run: SapRun, paths: Paths) -> Measuring:
 
 
 def _through(
-    measuring: Measuring | None, recording: Sink | None, watcher: Watcher | None
+    measuring: Measuring, sink: Sink | None, watcher: Watcher | None
 ) -> Callable[[native_kernel.Chunk, Happened], None]:
     def take(chunk: native_kernel.Chunk, happened: Happened) -> None:
-        if measuring is None:
-            deviation = np.zeros(len(chunk), np.float32)
-        else:
-            deviation = measuring.feed(lambda tracker: tracker.feed(chunk))
-        if recording is not None:
-            recording.write(chunk, deviation, happened)
-        if watcher is not None and measuring is not None:
+        deviation = measuring.feed(lambda tracker: tracker.feed(chunk))
+        if sink is not None:
+            sink.write(chunk, deviation, happened)
+        if watcher is not None:
             watcher.add(deviation)
 
     return take

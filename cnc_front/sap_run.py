@@ -18,6 +18,8 @@ from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError
 from cnc_front.execution import HARMLESS, AlarmEvent, End, Happened, LogEntry
 from cnc_front.jobs import JobSource, MachineFile, StimulusFile, shown
+from cnc_front.sap_places import Places
+from cnc_front.scan import begin_scan
 from cnc_front.schedule import Schedule
 from cnc_front.spooled import Listing
 
@@ -37,8 +39,9 @@ class Task:
     program: native_sympas.Program
     warnings: tuple[Diagnostic, ...]
     output: str = ""
-    error: tuple[int, int] | None = None  # number and line
+    error: tuple[int, int] | None = None  # number and line in its file
     line: int = 0  # being executed
+    place: int = 0  # the same, or that of the error, as Places counts lines
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +52,8 @@ class SapOptions:
     interrupted: Callable[[], bool] = lambda: False
     stimulus: StimulusFile | None = None
     schedule: Schedule = ((0.0, 1.0),)
+    #: resources that are recorded every sample
+    scan: tuple[str, ...] = ()
     #: told the machine time, s, now and then
     progress: Callable[[float], None] = lambda seconds: None
 
@@ -63,6 +68,7 @@ class SapRun:
     #: takes the samples as they come
     sink: Callable[[native_kernel.Chunk, Happened], None] | None = None
     mcu: native_kernel.Mcu = field(init=False)
+    places: Places = field(init=False)
     alarms: list[AlarmEvent] = field(init=False, default_factory=list)
     log: list[LogEntry] = field(init=False, default_factory=list)
     listing: Listing = field(init=False, default_factory=Listing)
@@ -78,14 +84,18 @@ class SapRun:
         self.mcu.list_commands()
         if self.options.stimulus is not None:
             self.mcu.add_stimulus(self.options.stimulus.stimulus)
+        if self.options.scan:
+            begin_scan(self.mcu, self.options.scan, list(self.machine.machine.axis_names))
+        self.places = Places.of(self.tasks)
         for task in self.tasks:
-            task.output, task.error, task.line = "", None, 0
+            task.output, task.error, task.line, task.place = "", None, 0, 0
             try:
                 self.mcu.load(task.number, task.program)
             except ValueError as error:  # an autocode file of a larger machine
                 hint = "compile the job for this machine"
                 where = shown(task.source.path)
                 raise CompileError([Diagnostic(where, 1, 1, 1, "CF202", str(error), hint)]) from None
+            self.mcu.number_lines(task.number, self.places.first(task.number))
         self._pending = deque((round(t / self.sample_time_s), f) for t, f in self.options.schedule)
         self._override_at(0)
         for task in self.tasks:
@@ -142,7 +152,7 @@ class SapRun:
             task.output += self.mcu.take_output(task.number)
             errnum, errline, _, line, *_ = self.mcu.rdcncts(task.number)
             task.error = (errnum, errline) if errnum else None
-            task.line = line
+            task.line, task.place = line, self.mcu.place(task.number)
         self._continued()
         self.listing.take(self.mcu.take_listing())
         names, new = self.machine.machine.axis_names, []

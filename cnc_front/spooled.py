@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cnc_front.sap_places import Places
+
 BEGUN, DONE, CUT = range(3)
 COLUMNS = ("number", "task", "line", "kind", "axes", "rounding", "phi", "vl", "ac", "tvl")
 MATRICES = ("start", "target", "radius", "center", "normal", "circle")
@@ -80,26 +82,26 @@ class Lane:
 
 @dataclass(frozen=True, slots=True)
 class Paths:
-    """All paths of a run. `cut` and `apart` are rows (task, line): cut short, or beside their axes' other commands."""
+    """All paths of a run, the longest first. `cut` and `apart` are lines (of all texts): broken off, or beside other
+    commands of their axes."""
 
     lanes: list[Lane]
-    cut: list[tuple[int, int]]
-    apart: list[tuple[int, int]]
+    cut: list[int]
+    apart: list[int]
     #: how far stops may be off because targets are rounded to counts, mm
     rounding_mm: float
 
 
-def paths_of(listing: Listing, samples: int, shown_line: dict[int, int]) -> Paths:
-    """The paths of what ran in `samples` samples. `shown_line`: what is added to the lines of each task, so that one
-    number names a line of all their texts."""
+def paths_of(listing: Listing, samples: int, axes: int) -> Paths:
+    """The paths of what ran in `samples` samples on so many axes; an empty one where nothing was spooled."""
     if not listing.parts:
-        return Paths([], [], [], 0.0)
+        return Paths([Lane(sequence=_sequence(_nothing(axes), []))], [], [], 0.0)
     columns = listing.columns()
     order = [(p.begin, n, p) for n, number in enumerate(columns["number"]) if (p := listing.passages.get(int(number)))]
     lanes: list[Lane] = []
     cut, apart = [], []
     for begin, row, passage in sorted(order, key=lambda item: item[:2]):
-        axes, place = int(columns["axes"][row]), (int(columns["task"][row]), int(columns["line"][row]))
+        axes, place = int(columns["axes"][row]), int(columns["line"][row])
         end = passage.end if passage.end is not None else samples
         if passage.cut:
             cut.append(place)
@@ -108,10 +110,17 @@ def paths_of(listing: Listing, samples: int, shown_line: dict[int, int]) -> Path
             apart.append(place)
         elif end >= begin:
             _append(lane, row, axes, begin, end, settles=not passage.cut and passage.end is not None)
-    for lane in lanes:
-        lane.sequence = _sequence(columns, lane.rows, shown_line)
+    driven = sorted((lane for lane in lanes if lane.rows), key=lambda lane: -len(lane.rows)) or [Lane()]
+    for lane in driven:
+        lane.sequence = _sequence(columns, lane.rows)
     rounding = float(columns["rounding"].max(initial=0.0))
-    return Paths([lane for lane in lanes if lane.rows], cut, apart, rounding)
+    return Paths(driven, cut, apart, rounding)
+
+
+def _nothing(axes: int) -> dict[str, NDArray[Any]]:
+    """Columns of a listing without rows but the first, which says where the axes are at boot."""
+    matrices = {name: np.zeros((1, 3 if name in ("center", "normal", "circle") else axes)) for name in MATRICES}
+    return {name: np.zeros(1) for name in COLUMNS} | matrices
 
 
 def _lane_for(lanes: list[Lane], begin: int, axes: int) -> Lane | None:
@@ -138,9 +147,7 @@ def _append(lane: Lane, row: int, axes: int, begin: int, end: int, *, settles: b
     lane.last_begin, lane.last_end = lane.stretches[-1][0], end
 
 
-def _sequence(
-    columns: dict[str, NDArray[Any]], rows: Sequence[int], shown_line: dict[int, int]
-) -> dict[str, NDArray[Any]]:
+def _sequence(columns: dict[str, NDArray[Any]], rows: Sequence[int]) -> dict[str, NDArray[Any]]:
     """Columns of toolpaths.Path."""
     pick = np.asarray(rows, dtype=np.intp)
     of = {name: columns[name][pick] for name in (*COLUMNS, *MATRICES)}
@@ -148,13 +155,12 @@ def _sequence(
     # rows of radii that are told apart by their bits: NaN is a value here
     bits = np.ascontiguousarray(of["radius"]).view(np.uint64)
     radii, which = np.unique(bits, axis=0, return_inverse=True)
-    added = np.array([shown_line.get(int(task), 0) for task in of["task"]], dtype=np.int64)
-    circle = of["circle"]
+    circle = of["circle"].astype(np.uint8)
     none, zeros = np.empty(0, np.uint32), np.zeros(n, np.uint32)
     return {
-        "start": of["start"][0].copy() if n else columns["start"][0].copy(),
-        "kind": of["kind"],
-        "line": (of["line"] + added).astype(np.uint32),
+        "start": columns["start"][pick[0] if n else 0].copy(),
+        "kind": of["kind"].astype(np.uint8),
+        "line": of["line"].astype(np.uint32),
         "rapid": np.zeros(n, np.bool_),
         "target": of["target"].ravel(),
         "c1": np.ascontiguousarray(circle[:, 0]),
@@ -177,15 +183,15 @@ def _sequence(
     }
 
 
-def rows_as_json(listing: Listing, names: Sequence[str]) -> list[dict[str, Any]]:
-    """The listing as objects of design 3.3, with the task that gave each command."""
+def rows_as_json(listing: Listing, names: Sequence[str], places: Places) -> list[dict[str, Any]]:
+    """The listing as objects of design 3.3, with the task that gave each command and the include that it stands in."""
     if not listing.parts:
         return []
     columns = listing.columns()
     found = []
     for i, command in enumerate(listing.names()):
         axes = [a for a in range(len(names)) if int(columns["axes"][i]) >> a & 1]
-        entry: dict[str, Any] = {"cmd": command, "task": int(columns["task"][i]), "line": int(columns["line"][i])}
+        entry: dict[str, Any] = {"cmd": command} | places.at(int(columns["line"][i]))
         kind = int(columns["kind"][i])
         if kind:
             plane = [int(a) for a in columns["circle"][i][: 2 if kind == 1 else 3]]

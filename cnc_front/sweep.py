@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from cnc_front.errors import UsageError
@@ -60,22 +60,29 @@ def side_by_side(tasks: Iterable[Task], work: Callable[[Task], Result]) -> list[
         return list(pool.map(work, tasks))
 
 
-def override_sweep(
-    job: CompiledJob, options: RunOptions, factors: Sequence[float], tolerance_mm: float
-) -> list[dict[str, Any]]:
+@dataclass(frozen=True, slots=True)
+class Swept:
+    """A run at one factor: word of its verdict, status, machine time, summary of toolpaths, `axes` of its evidence."""
+
+    word: str
+    status: str
+    machine_time_s: float
+    summary: dict[str, Any]
+    axes: dict[str, Any]
+
+
+def override_sweep(factors: Sequence[float], run: Callable[[float], Swept]) -> list[dict[str, Any]]:
     """One row per factor, held from the start. Accelerations are the largest of any axis, in % of its maxacc."""
-    quiet = replace(options, progress=lambda execution: None, sweep=(), time_optimal=False)
 
     def one(factor: float) -> dict[str, Any]:
-        result = dry_run(job, replace(quiet, schedule=((0.0, factor),)))
-        machine, summary = job.machine.machine, result.summary
-        axes = evidence_keys(result.tracker, summary, machine, tolerance_mm)["axes"].values()
+        swept = run(factor)
+        summary, axes = swept.summary, swept.axes.values()
         loads = [100 * a["acceleration_max"] / a["acceleration_limit"] for a in axes if a["acceleration_limit"] > 0]
         return {
             "factor": factor,
-            "verdict": judge(result, tolerance_mm).word,
-            "status": result.status,
-            "machine_time_s": result.execution.machine_time_s,
+            "verdict": swept.word,
+            "status": swept.status,
+            "machine_time_s": swept.machine_time_s,
             "actual_max_mm": summary["actual"]["max_mm"],
             "setpoint_max_mm": summary["setpoint"]["max_mm"],
             "path_change_mm": summary["path_change_mm"],
@@ -85,6 +92,19 @@ def override_sweep(
         }
 
     return side_by_side(factors, one)
+
+
+def job_at(job: CompiledJob, options: RunOptions, tolerance_mm: float) -> Callable[[float], Swept]:
+    """Runs of a part program at a factor."""
+    quiet = replace(options, progress=lambda execution: None, sweep=(), time_optimal=False)
+
+    def run(factor: float) -> Swept:
+        result = dry_run(job, replace(quiet, schedule=((0.0, factor),)))
+        axes = evidence_keys(result.tracker, result.summary, job.machine.machine, tolerance_mm)["axes"]
+        word = judge(result, tolerance_mm).word
+        return Swept(word, result.status, result.execution.machine_time_s, result.summary, axes)
+
+    return run
 
 
 def sweep_text(rows: Sequence[dict[str, Any]], language: str) -> list[str]:

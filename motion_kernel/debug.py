@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from pathlib import PurePath
 from typing import Any, Literal
 
 from motion_kernel.driver import Driver
@@ -38,6 +40,28 @@ class TaskEye:
         return self.status.csrcline
 
     @property
+    def files(self) -> list[tuple[str, int]]:
+        """Files of the program, the job first, and what is added to their lines to make places of them: a place is one
+        number for a line of any file. Empty without a rw_SymPas program."""
+        return self._native.task_files(self._task) or []
+
+    @property
+    def place(self) -> int:
+        """Place that comes next, or at which the task failed."""
+        return int(self._native.place(self._task))
+
+    def place_of(self, line: int | str) -> int:
+        """The place of a line of the job (57), or of an include ('axes.inc:5'). ValueError for another file."""
+        if isinstance(line, int):
+            return line
+        name, _, number = line.rpartition(":")
+        found = [first for path, first in self.files if PurePath(path).name == name or path == name]
+        if len(found) != 1 or not number.isdigit():
+            names = ", ".join(PurePath(path).name for path, _ in self.files)
+            raise ValueError(f"'{line}' is no FILE:LINE of this program, whose files are {names}")
+        return found[0] + int(number)
+
+    @property
     def calls(self) -> list[str]:
         """Names of the routines being executed, the main program first."""
         return list(self._native.calls(self._task))
@@ -58,26 +82,58 @@ class TaskEye:
         return bool(self._native.has_overflowed(self._task))
 
     @property
-    def rows(self) -> list[tuple[str, bool, Value]]:
-        """Name, belongs to the main program, value; variables of the routine being executed come first."""
-        return sorted(self._native.task_variables(self._task), key=lambda row: row[1])
+    def rows(self) -> list[tuple[str, int, Value]]:
+        """Name, number of the call (as in `calls`; 0: the main program), value of all variables of the routines being
+        executed; those of the innermost come first."""
+        return sorted(self._native.task_variables(self._task), key=lambda row: -row[1])
 
     @property
     def variables(self) -> dict[str, Value]:
         """Variables that the routine being executed sees, by name: its own hide those of the main program. An axis
         name or AXIS variable has the number of its axis."""
-        return {name: value for name, _, value in reversed(self.rows)}
+        seen = (0, len(self.calls) - 1)
+        return {name: value for name, call, value in reversed(self.rows) if call in seen}
+
+    def is_axis(self, name: str) -> bool:
+        """The name is an axis or an AXIS variable of the program."""
+        return name in self._native.task_axes(self._task)
+
+    def assign(self, name: str, value: Value) -> None:
+        """Sets a variable that the routine being executed sees, as an assignment of the language would. ValueError for
+        an unknown name or a value that its type does not take."""
+        self._native.set_task_variable(self._task, name, value)
 
     @property
     def breaks(self) -> frozenset[int]:
-        """Source lines of the breakpoints."""
+        """Places of the breakpoints."""
         return self._breaks
 
-    def break_at(self, *lines: int) -> None:
-        """Stops before statements on these source lines, and on no others. ValueError without a rw_SymPas program."""
-        if not self._native.break_at(self._task, sorted(lines)):
+    def break_at(self, *lines: int | str) -> None:
+        """Stops before statements on these lines (57, or 'axes.inc:5' of an include), and on no others. ValueError for
+        a line on which no statement begins, or without a rw_SymPas program."""
+        places = [self.place_of(line) for line in lines]
+        known = self._native.break_places(self._task)
+        for line, place in zip(lines, places, strict=True):
+            if place not in known and self.files:
+                near = min((p for p in known if p > place), default=None)
+                hint = f"; the next one: {self.text_of(near)}" if near else ""
+                raise ValueError(f"no statement begins on line {line}{hint}")
+        self.break_at_places(places)
+
+    def break_at_places(self, places: Iterable[int]) -> None:
+        """As break_at, for places of statements."""
+        self._breaks = frozenset(places)
+        if not self._native.break_at(self._task, sorted(self._breaks)):
             raise ValueError(f"CNC task {self._task} has no rw_SymPas program")
-        self._breaks = frozenset(lines)
+
+    def text_of(self, place: int) -> str:
+        """A place as people write it: the line, or FILE:LINE of an include."""
+        path, first = max(((p, f) for p, f in self.files if f < place), key=lambda row: row[1])
+        return f"{PurePath(path).name}:{place - first}" if first else str(place)
+
+    def next_break(self, place: int) -> int | None:
+        """The first place from there on where a breakpoint can be; None behind the last."""
+        return min((p for p in self._native.break_places(self._task) if p >= place), default=None)
 
     def ask(self, what: Literal["into", "over", "out", "on"]) -> None:
         """One source line, into routines or over them; out of the routine being executed; on to a breakpoint."""

@@ -14,27 +14,39 @@ if TYPE_CHECKING:
 
 
 def source(session: DebugSession, number: int, look: Look, place: tuple[int, int], height: int) -> Text:
-    """The lines around the cursor: breakpoint, number, text; the line that comes next stands out. `place`: line that
-    comes next, line under the cursor."""
+    """The lines around the cursor: breakpoint, number, text; the line that comes next stands out. `place`: the one that
+    comes next, the one under the cursor. Includes stand behind the job, each below its name."""
     current, cursor = place
-    lines, breaks = session.lines(number), session.views[number].breaks
+    lines, breaks, titles = session.lines(number), session.views[number].breaks, session.titles(number)
     first = max(1, min(cursor - height // 2, len(lines) - height + 1))
+    begun = max((begin for begin in titles if begin < first), default=0)
     out = Text(no_wrap=True, overflow="ellipsis")
     for n in range(first, min(len(lines), first + height - 1) + 1):
         style = look.target if n == current else look.cursor if n == cursor else look.text
         mark, arrow = "*" if n in breaks else " ", ">" if n == current else " "
-        out.append(f"{mark}{arrow}{n:>5}  {lines[n - 1]}\n", style=style)
+        if n - 1 in titles:
+            begun = n - 1
+        name = f"{titles[begun]}:" if begun else ""
+        out.append(f"{mark}{arrow}{name}{n - begun:>{5 - min(5, len(name))}}  {lines[n - 1]}\n", style=style)
     return out
 
 
 def variables(session: DebugSession, number: int, look: Look) -> Text:
-    """Routines being executed; variables of the last of them, then those of the program."""
-    view = session.views[number]
-    calls = " > ".join(name or "main" for name in view.calls) or "-"
-    out = Text(f"{calls}\n", style=look.dim, no_wrap=True, overflow="ellipsis")
-    for name, is_global, value in view.rows:
-        shown = f"{value:.9g}" if isinstance(value, float) else str(value)
-        out.append(f" {name} = {shown}\n", style=look.dim if is_global else look.strong)
+    """Routines being executed; variables of the last of them, those of its callers, those of the program."""
+    view, axes = session.views[number], session.run.machine.machine.axis_names
+    calls = view.calls
+    out = Text(
+        f"{' > '.join(name or 'main' for name in calls) or '-'}\n", style=look.dim, no_wrap=True, overflow="ellipsis"
+    )
+    last, innermost = len(calls) - 1, len(calls) - 1
+    for name, call, value in view.rows:
+        if call != last:
+            out.append(f"{calls[call] or 'main'}\n", style=look.dim)
+            last = call
+        shown = f"{value:.9g}" if isinstance(value, float) else str(value).upper()
+        if view.is_axis(name) and 0 <= int(value) < len(axes):
+            shown += f" {axes[int(value)]} dp {session.position(int(value)):.3f}"
+        out.append(f" {name} = {shown}\n", style=look.strong if call == innermost else look.dim)
     return out
 
 

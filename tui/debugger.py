@@ -15,6 +15,7 @@ from textual.containers import Grid, Horizontal, Vertical
 from textual.widgets import Static
 
 from tui import debug_panes as panes
+from tui.dialogs import Question
 from tui.look import Look
 from tui.words import Words
 
@@ -49,6 +50,7 @@ class Debugger(App[None]):
         ("U", "step('out')", ""),
         ("R", "step('on')", ""),
         ("b", "toggle_break", ""),
+        ("equals_sign", "assign", ""),
         ("c", "current", ""),
         ("v", "view", ""),
         Binding("tab", "next_task", "", priority=True),
@@ -96,7 +98,9 @@ class Debugger(App[None]):
     # ---- keys
 
     def action_hold(self) -> None:
-        """Brakes axes along their path and stops the tasks."""
+        """Brakes axes along their path and stops the tasks; leaves a question."""
+        if isinstance(self.screen, Question):
+            self.screen.answer(None)
         self.session.hold()
         self._say("debug_held")
 
@@ -125,7 +129,24 @@ class Debugger(App[None]):
         self.draw()
 
     def action_toggle_break(self) -> None:
-        self.session.toggle_break(self.number, self.cursor)
+        """At the cursor, or at the next statement behind it, where the cursor goes then."""
+        place = self.session.toggle_break(self.number, self.cursor)
+        self.message = self.words("debug_no_statement") if place is None else ""
+        self.cursor, self.follows = place or self.cursor, False
+        self.draw()
+
+    def action_assign(self) -> None:
+        """Asks for a new value of a variable."""
+        question = Question(self.words("debug_assign"), self.words("debug_assign_keys"), field=True)
+        self.push_screen(question, self._assign)
+
+    def _assign(self, text: str | None) -> None:
+        self.message = ""
+        if text:
+            try:
+                self.session.assign(self.number, text)
+            except ValueError as error:
+                self.message = str(error)
         self.draw()
 
     def action_current(self) -> None:
@@ -174,8 +195,8 @@ class Debugger(App[None]):
         session, look, words = self.session, self.look, self.words
         chosen = next(t for t in session.tasks if t.number == self.number)
         state = session.state(chosen)
-        if self.follows and state.line:
-            self.cursor = state.line
+        if self.follows and state.place:
+            self.cursor = state.place
         hold = f"  = {words('debug_hold')}" if session.held else ""
         word = f"{panes.SYMBOLS[state.state]} {words(f'task_{state.state}')} {state.error}"
         what = f"{words('cnc_task')} {state.number}: {word}{hold}"
@@ -189,7 +210,7 @@ class Debugger(App[None]):
             text = (
                 self.help()
                 if self.helps
-                else panes.source(session, self.number, look, (state.line, self.cursor), height)
+                else panes.source(session, self.number, look, (state.place, self.cursor), height)
             )
             self._put("source", text)
             self._put("variables", panes.variables(session, self.number, look))
@@ -206,12 +227,12 @@ class Debugger(App[None]):
         state = self.session.state(task)
         chosen = number == self.number
         head = panes.task_line(state, self.look, self.words, chosen=chosen)
-        cursor = self.cursor if chosen else max(1, state.line)
+        cursor = self.cursor if chosen else max(1, state.place)
         height = max(1, self.query_one(f"#task{number}").size.height - 1)
         text = (
             self.help()
             if self.helps and chosen
-            else panes.source(self.session, number, self.look, (state.line, cursor), height)
+            else panes.source(self.session, number, self.look, (state.place, cursor), height)
         )
         return head.append("\n").append_text(text)
 

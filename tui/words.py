@@ -14,6 +14,9 @@ TEXTS: dict[str, tuple[str, str]] = {
     "debug_held": ("r goes on", "r fährt fort"),
     "debug_resume_first": ("held: r first", "Halt: erst r"),
     "debug_line": ("line", "Zeile"),
+    "debug_no_statement": ("no statement follows here", "hier folgt keine Anweisung"),
+    "debug_assign": ("Set a variable: name = value", "Variable setzen: Name = Wert"),
+    "debug_assign_keys": ("Enter: set   Esc: leave, hold", "Enter: setzen   Esc: verlassen, Halt"),
     "events": ("events", "Ereignisse"),
     "debug_keys": (
         " SPACE Hold  r Go on  t Step  T over  U out  b Break  v View  Tab Task  F1 Help",
@@ -28,7 +31,8 @@ TEXTS: dict[str, tuple[str, str]] = {
         " Leer Esc    Halt: Achsen bremsen auf der Bahn,\n             Tasks stehen; r fährt fort\n"
         " r           alle Tasks weiter\n R           dieser Task weiter\n t           Schritt, in Routinen hinein\n"
         " T           Schritt, über Routinen hinweg\n U           aus der Routine hinaus\n"
-        " b           Haltepunkt ein/aus\n auf ab      Marke (Bild auf, ab)\n c           zur laufenden Zeile\n"
+        " b           Haltepunkt ein/aus\n"
+        " =           Variable setzen\n auf ab      Marke (Bild auf, ab)\n c           zur laufenden Zeile\n"
         " Tab         nächster Task\n v           ein Task / nebeneinander\n ^Q          Ende\n",
     ),
     "actual": ("ACTUAL", "IST"),

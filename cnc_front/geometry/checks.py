@@ -16,7 +16,7 @@ from cnc_front.execution import HostEvent
 from cnc_front.geometry.arguments import ReferenceOptions
 from cnc_front.geometry.reference import Reference, load_reference, parse_reference
 from cnc_front.geometry.setup import Setup, changing, check_job, load_setup, parse_setup, tool_number
-from cnc_front.jobs import CompiledJob
+from cnc_front.jobs import CompiledJob, MachineFile
 
 if TYPE_CHECKING:
     from toolpaths.material import Compared, Finding, Removal
@@ -82,7 +82,8 @@ class Checks:
         at = {"setpoint": _in_space(dp, columns), "actual": _in_space(load, columns)}
         rapid = (flags & RAPID) != 0
         if self.meters:
-            cutting = ((flags & MOVING) != 0) & ~rapid
+            # direct moves of rw_SymPas jobs are no entries of a spooler, and no contour
+            cutting = ((flags & MOVING) != 0) & ~rapid & (samples["entry"] > 0)
             for name, meter in self.meters.items():
                 meter.feed(at[name], cutting, lines, samples["entry"], first_sample)
         if self.removal is not None and self.setup is not None:
@@ -260,6 +261,16 @@ def checks_of_job(
     limit = machine.tolerance_mm if tolerance_mm is None else tolerance_mm
     names, sample_time_s = list(machine.axis_names), machine.sample_time_us * 1e-6
     return Checks(names, sample_time_s, changing(events), limit, prepared, drawing)
+
+
+def checks_of_drawing(
+    machine: MachineFile, reference: str, options: ReferenceOptions, tolerance_mm: float | None
+) -> Checks:
+    """The check of a rw_SymPas job against a drawing; raises CompileError (RF...)."""
+    names, limit = list(machine.machine.axis_names), machine.machine.tolerance_mm
+    drawing = loaded(None, reference, options)[1]
+    limit = limit if tolerance_mm is None else tolerance_mm
+    return Checks(names, machine.machine.sample_time_us * 1e-6, "", limit, reference=drawing)
 
 
 def _moved_axes(job: CompiledJob) -> set[str]:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from cnc_front.cli import run_command_line
-from cnc_front.sap_measure import place_of
+from cnc_front.sap_places import Places, Text
 
 HEAD = """program P;
 begin
@@ -190,10 +190,11 @@ def test_a_job_that_spools_nothing_has_no_contour(run: Run, tmp_path: Path, caps
     recording, report = tmp_path / "jog.mcap", tmp_path / "report"
     code, result = run(job, options=("--record", str(recording), "--report", str(report)))
     assert code == 0
-    assert (result["deviation"], result["contours"], result["files"]["report"]) == (None, [], None)
-    assert recording.is_file() and not (report / "report.html").exists()
-    assert run_command_line(["report", str(recording), str(tmp_path / "again")]) == 2
-    assert "spooled nothing" in capsys.readouterr().err
+    assert (result["deviation"], result["contours"]) == (None, [])
+    page = (report / "report.html").read_text()
+    assert "no motion command was spooled" in page
+    assert run_command_line(["report", str(recording), str(tmp_path / "again")]) == 0
+    assert "no motion command was spooled" in (tmp_path / "again/report.html").read_text()
 
 
 def test_inches_and_arcs_to_a_target(run: Run) -> None:
@@ -213,8 +214,12 @@ def test_the_same_job_gives_the_same_bytes(run: Run, tmp_path: Path) -> None:
 
 
 def test_lines_of_several_texts_have_one_number() -> None:
-    offsets = {0: 0, 2: 10, 1: 25}
-    assert [place_of(line, offsets) for line in (1, 10, 11, 25, 26)] == [(0, 1), (0, 10), (2, 1), (2, 15), (1, 1)]
+    places = Places((Text(0, 0, None), Text(10, 2, None), Text(25, 2, "inc/axes.inc"), Text(30, 1, None)))
+    found = [tuple(places.at(line).values()) for line in (1, 10, 11, 25, 26, 31)]
+    include = "inc/axes.inc"
+    assert found == [(0, None, 1), (0, None, 10), (2, None, 1), (2, None, 15), (2, include, 1), (1, None, 1)]
+    assert places.at(0) == {"task": 0, "file": None, "line": 0}
+    assert Places.parse(places.as_json()) == places
 
 
 def test_translate_lists_what_a_job_spools(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -109,12 +109,8 @@ def test_an_autocode_file_of_a_larger_machine_is_refused(write: Write, capsys: p
     assert "CF202: compiled for more axes than the machine has" in capsys.readouterr().err
 
 
-def test_what_needs_blocks_of_a_part_program_is_refused(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
+def test_tasks_are_for_jobs(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
     path, part = write("move.src", MOVE), write("part.nc", "G0 X1\nM30\n")
-    for option in (["--from", "2"], ["--to", "3"], ["--time-optimal"], ["--override-sweep", "0.5:1:0.5"]):
-        assert run(path, *option) == 2
-        err = capsys.readouterr().err
-        assert option[0] in err and "for part programs" in err
     for option in (["--task", "7=x.src"], ["--task", "x"], ["--task", f"1={part}"]):
         assert run(path, *option) == 2
     assert run(part, "--task", f"1={path}") == 2

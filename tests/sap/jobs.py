@@ -22,6 +22,24 @@ from pathlib import Path
 import sympas
 from motion_kernel import Machine, Mcu
 
+#: A job to step through.
+LOOPS = """program Loops;
+var i, sum : integer;
+    mean : double;
+function Half(n : integer) : double;
+begin
+  Half := n / 2.0;
+end;
+begin
+  for i := 1 to 3 do
+    sum := sum + i;
+  mean := Half(sum);
+  writeln('mean ', mean);
+  wt(15625);
+  CI0 := 1;
+end.
+"""
+
 HERE = Path(__file__).parent
 CELL = Machine.load(HERE / "cell.toml")
 HEAD = re.compile(r"^\{ shows: ([^}]*)\}\n", re.MULTILINE)

@@ -14,32 +14,17 @@ from textual.widgets import Static
 from cnc_front.jobs import load_machine
 from cnc_front.sap_command import load_tasks
 from cnc_front.sap_debug import debug_session
+from tests.sap.jobs import LOOPS
 from tui.debugger import Debugger
 from tui.look import make_look
 from tui.words import Words
 
-TEXT = """program Loops;
-var i, sum : integer;
-    mean : double;
-function Half(n : integer) : double;
-begin
-  Half := n / 2.0;
-end;
-begin
-  for i := 1 to 3 do
-    sum := sum + i;
-  mean := Half(sum);
-  writeln('mean ', mean);
-  wt(15625);
-  CI0 := 1;
-end.
-"""
 OTHER = "begin\n  while true do begin\n    CI5 := CI5 + 1;\n    wt(1000);\n  end;\nend.\n"
 
 Play = Callable[[Pilot[None], Debugger], Awaitable[None]]
 
 
-def played(tmp_path: Path, play: Play, *, text: str = TEXT, language: str = "en", theme: str = "dark") -> None:
+def played(tmp_path: Path, play: Play, *, text: str = LOOPS, language: str = "en", theme: str = "dark") -> None:
     """Runs a script of keys on the screen."""
     (tmp_path / "loops.src").write_text(text)
     (tmp_path / "other.src").write_text(OTHER)
@@ -94,12 +79,80 @@ def test_breakpoints_stop_the_task(tmp_path: Path) -> None:
         assert [row[2:7].strip() for row in shown(app, "source").splitlines() if row[0] == "*"] == [str(line)]
         await pilot.press("R")
         await pilot.pause(0.3)
-        assert app.session.state(app.session.tasks[0]).line == line
+        assert app.session.state(app.session.tasks[0]).place == line
         await pilot.press("b", "R")
         await pilot.pause(2.0)
         assert "at rest" in shown(app, "head") and "0: mean 3.0" in shown(app, "output")
 
     played(tmp_path, play)
+
+
+def test_a_breakpoint_on_a_line_without_statement_stands_at_the_next(tmp_path: Path) -> None:
+    async def play(pilot: Pilot[None], app: Debugger) -> None:
+        await pilot.press("b")  # the cursor is on `for`, up to the head of the function
+        await pilot.press(*["up"] * 6, "b")
+        assert app.session.views[0].breaks == {6, 9} and app.cursor == 6
+        await pilot.press(*["down"] * 20, "b")
+        assert "no statement follows" in shown(app, "head") and app.session.views[0].breaks == {6, 9}
+
+    played(tmp_path, play)
+
+
+def test_a_variable_is_set(tmp_path: Path) -> None:
+    async def play(pilot: Pilot[None], app: Debugger) -> None:
+        await pilot.press("t", "t", "equals_sign", *"sum:=$1E", "enter")
+        assert "sum = 30" in shown(app, "variables")
+        await pilot.press("equals_sign", *"sum=1.5", "enter")
+        assert "does not take" in shown(app, "head") and "sum = 30" in shown(app, "variables")
+        await pilot.press("equals_sign", *"sum=9", "escape")
+        await pilot.pause(0.2)
+        assert "HOLD" in shown(app, "head") and "sum = 30" in shown(app, "variables")
+        await pilot.press("r", "R")
+        await pilot.pause(1.5)
+        assert "0: mean 15.0" in shown(app, "output")
+
+    played(tmp_path, play)
+
+
+INCLUDING = "{$I part.inc}\nvar depth : integer;\nbegin\n  depth := 2;\n  Outer(depth);\nend.\n"
+PART = """var V : axis;
+procedure Inner(n : integer);
+begin
+  V.an := n;
+  CI0 := n / (n - n);
+end;
+procedure Outer(k : integer);
+var twice : integer;
+begin
+  twice := 2 * k;
+  Inner(k - 1);
+end;
+"""
+
+
+def test_includes_callers_and_axis_variables(tmp_path: Path) -> None:
+    (tmp_path / "part.inc").write_text(PART)
+
+    async def play(pilot: Pilot[None], app: Debugger) -> None:
+        await pilot.press("t", "t", "t")
+        assert (
+            "part.inc:   11  " in marked(app)[0].replace("part.inc:11", "part.inc:   11")
+            and "Inner(k - 1)" in marked(app)[0]
+        )
+        place = app.cursor - 6
+        await pilot.press(*["up"] * 6, "b", "R")  # at CI0 := ... of the include
+        await pilot.pause(0.3)
+        assert app.session.views[0].breaks == {place} and "CI0 := n / (n - n);" in marked(app)[0]
+        assert "part.inc:5" in shown(app, "tasks")
+        rows = shown(app, "variables").splitlines()
+        assert rows[0] == "main > Outer > Inner"
+        assert rows[1:6] == [" n = 1", "Outer", " k = 2", " twice = 4", "main"]
+        assert " V = 1 Y dp 0.000" in rows and " depth = 2" in rows
+        await pilot.press("t")
+        await pilot.pause(0.3)
+        assert "RUNTIME ERROR" in shown(app, "head") and "part.inc:5" in shown(app, "tasks")
+
+    played(tmp_path, play, text=INCLUDING)
 
 
 def test_tasks_side_by_side(tmp_path: Path) -> None:

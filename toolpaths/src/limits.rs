@@ -93,6 +93,17 @@ impl Limits {
         }
     }
 
+    /// A sample on no path: it counts in all and over time.
+    pub fn add_beside(&mut self, limit: u16) {
+        self.flush();
+        self.total.add(limit, 1);
+        self.in_bucket.add(limit, 1);
+        self.filled += 1;
+        if self.filled == self.samples_per_bucket {
+            self.close_bucket();
+        }
+    }
+
     #[cold]
     fn move_on(&mut self, limit: u16, block: u32, s: f64) {
         self.flush();

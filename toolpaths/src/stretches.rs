@@ -39,24 +39,19 @@ impl Stretches {
             let (sample, was_on) = (chunk.first_sample + k as u64, self.on);
             let dp = &chunk.dp[k * axes..(k + 1) * axes];
             let begins = self.list.get(self.next).filter(|s| s.begin == sample).copied();
-            if begins.is_none() && was_on && !self.stays_on(tracker.path(), sample, dp) {
-                self.on = false;
-            }
-            if was_on && (begins.is_some() || !self.on) {
-                measure(tracker, chunk, axes, from..k, out);
+            if begins.is_some() || (was_on && !self.stays_on(tracker.path(), sample, dp)) {
+                hand_on(tracker, chunk, axes, from..k, was_on, out);
+                (from, self.on) = (k, false);
             }
             if let Some(stretch) = begins {
                 // a load that still comes to rest at the end before stays measured there
                 self.on = tracker.jump(stretch.command, was_on, dp);
                 self.next += 1;
-                from = k;
             }
             self.last_dp.clear();
             self.last_dp.extend_from_slice(dp);
         }
-        if self.on {
-            measure(tracker, chunk, axes, from..chunk.factor.len(), out);
-        }
+        hand_on(tracker, chunk, axes, from..chunk.factor.len(), self.on, out);
     }
 
     /// Behind its end a stretch is measured as long as its axes stand.
@@ -67,7 +62,8 @@ impl Stretches {
     }
 }
 
-fn measure(tracker: &mut Tracker, chunk: &Chunk, axes: usize, part: Range<usize>, out: &mut PerSample) {
+/// A part of a chunk, which is on the path or not.
+fn hand_on(tracker: &mut Tracker, chunk: &Chunk, axes: usize, part: Range<usize>, on: bool, out: &mut PerSample) {
     if part.is_empty() {
         return;
     }
@@ -83,6 +79,9 @@ fn measure(tracker: &mut Tracker, chunk: &Chunk, axes: usize, part: Range<usize>
         entry: &chunk.entry[optional(chunk.entry)],
         flags: &chunk.flags[optional(chunk.flags)],
     };
+    if !on {
+        return tracker.pass_by(&of_part);
+    }
     let actual_mm = out.actual_mm.get_mut(part).unwrap_or(&mut []);
     tracker.feed(&of_part, &mut PerSample { actual_mm, ..Default::default() });
 }

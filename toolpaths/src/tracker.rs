@@ -104,6 +104,8 @@ pub struct Tracker {
     pub(crate) blocks: Vec<BlockStats>,
     pub(crate) over_length: LengthSeries,
     pub(crate) over_time: TimeSeries,
+    /// Samples on no path, beside `samples`.
+    passed: u64,
     watched: Watched,
     limits: Limits,
     passages: Passages,
@@ -150,6 +152,7 @@ impl Tracker {
             blocks: vec![BlockStats::default(); blocks],
             over_length: LengthSeries::new(path.length_mm(), options.buckets),
             over_time: TimeSeries::new(path.axes, options.buckets),
+            passed: 0,
             watched: Watched::default(),
             limits: Limits::new(options.buckets, options.at_speed),
             passages: Passages::new(path.axes),
@@ -184,7 +187,6 @@ impl Tracker {
         self.setpoint.follower.begin(place);
         if both {
             self.actual.follower.begin(place);
-            self.evidence.begin(dp);
         }
         self.last_deviation = 0.0;
         self.last_dp.copy_from_slice(dp);
@@ -393,6 +395,23 @@ impl Tracker {
         }
     }
 
+    /// Samples that are on no path: what is told of axes, and over time, holds for them too.
+    pub(crate) fn pass_by(&mut self, chunk: &Chunk) {
+        let axes = self.path.axes;
+        if self.samples + self.passed == 0 {
+            self.evidence.begin(&chunk.dp[..axes]);
+        }
+        for (k, factor) in chunk.factor.iter().enumerate() {
+            let row = k * axes..(k + 1) * axes;
+            let (dp, load, rp) = (&chunk.dp[row.clone()], &chunk.load[row.clone()], &chunk.rp[row]);
+            self.add_following(dp, rp);
+            self.evidence.add_axes(dp, load);
+            self.over_time.add([0.0, 0.0, *factor, 0.0], dp, rp);
+            self.limits.add_beside(limit_of(chunk.flags.get(k).copied().unwrap_or(0)));
+        }
+        self.passed += chunk.factor.len() as u64;
+    }
+
     /// The path that the run is measured against.
     pub fn path(&self) -> &Arc<Path> {
         &self.path
@@ -408,7 +427,7 @@ impl Tracker {
         let path = &self.path;
         let foot = self.setpoint.follower.foot;
         let missing_mm = (path.length_mm() - path.s_of(foot)).max(0.0);
-        let n = self.samples.max(1) as f64;
+        let n = (self.samples + self.passed).max(1) as f64;
         Summary {
             samples: self.samples,
             path_length_mm: path.length_mm(),

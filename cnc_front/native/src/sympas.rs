@@ -46,6 +46,16 @@ impl Program {
     fn full_system(&self) -> bool {
         self.inner.full_system
     }
+    /// Files of the program, the job first, and what is added to their lines to make places of them.
+    #[getter]
+    fn files(&self) -> Vec<(String, u32)> {
+        self.inner.files.iter().cloned().zip(self.inner.offsets()).collect()
+    }
+    /// Number of places: lines of all files.
+    #[getter]
+    fn places(&self) -> u32 {
+        self.inner.offsets().last().copied().unwrap_or(0)
+    }
     /// Lines of the disassembly.
     fn listing(&self) -> Vec<String> {
         listing::listing(&self.inner).lines().map(str::to_owned).collect()

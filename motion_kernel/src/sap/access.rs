@@ -8,7 +8,7 @@ use crate::axes::AxisSet;
 use crate::card::Led;
 use crate::machine::PidfGains;
 use crate::mcu::Mcu;
-use crate::named::axis_register;
+use crate::named::{AXIS_REGISTERS, Register};
 use crate::registers::{ControllerFlags, ErrorReg, ModeReg};
 
 /// System parameters that are read by commands of rw_SymPas only (6.3.1, table 32).
@@ -143,7 +143,7 @@ impl Mcu {
             lp => real(self.rdlp(axis)), // clears lpsf
             sf => integer(self.card.axes[axis].sf),
             kp | ki | kd | kpl | kfca | kfcv => real(*coefficient(&mut self.written_filter(axis), qualifier)),
-            _ => real(axis_register(qualifier.name()).map_or(0.0, |r| (r.read)(self, axis))),
+            _ => real(register(qualifier).map_or(0.0, |r| (r.read)(self, axis))),
         }
     }
 
@@ -166,7 +166,7 @@ impl Mcu {
                 self.card.axes[axis].filter = Some(gains);
             }
             _ => {
-                if let Some(write) = axis_register(qualifier.name()).and_then(|r| r.write) {
+                if let Some(write) = register(qualifier).and_then(|r| r.write) {
                     write(self, axis, value);
                 }
             }
@@ -192,6 +192,35 @@ impl Mcu {
         let gains = self.written_filter(axis);
         self.uf(axis, &gains);
     }
+}
+
+/// The register behind each qualifier, by its number: found by name once, when this is compiled.
+static REGISTERS: [Option<&Register>; Qualifier::ALL.len()] = {
+    let mut found = [None; Qualifier::ALL.len()];
+    let mut n = 0;
+    while n < found.len() {
+        let mut r = 0;
+        while r < AXIS_REGISTERS.len() {
+            if same(AXIS_REGISTERS[r].name.as_bytes(), Qualifier::ALL[n].name().as_bytes()) {
+                found[n] = Some(&AXIS_REGISTERS[r]);
+            }
+            r += 1;
+        }
+        n += 1;
+    }
+    found
+};
+
+fn register(qualifier: Qualifier) -> Option<&'static Register> {
+    REGISTERS[qualifier as usize]
+}
+
+const fn same(a: &[u8], b: &[u8]) -> bool {
+    let mut n = 0;
+    while n < a.len() && n < b.len() && a[n] == b[n] {
+        n += 1;
+    }
+    n == a.len() && n == b.len()
 }
 
 fn coefficient(gains: &mut PidfGains, qualifier: Qualifier) -> &mut f64 {

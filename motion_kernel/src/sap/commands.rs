@@ -87,7 +87,7 @@ impl Processor {
             vl: registers.trvl,
             ac: registers.trac,
             tvl: registers.trtvl,
-            line: self.executed_line(),
+            line: self.executed_place(),
         };
         if matches!(command, Command::Mca3d | Command::Mcr3d) {
             let entered = mcu.direct_3d(&circle);
@@ -118,7 +118,7 @@ impl Processor {
             ac: registers.trac,
             tvl: registers.trtvl,
             rapid: false,
-            line: self.executed_line(),
+            line: self.executed_place(),
         };
         if !spooled {
             let entered = mcu.direct(&motion);
@@ -136,7 +136,7 @@ impl Processor {
     fn spool_function(&mut self, list: &AxisList, values: &[f64], mcu: &mut Mcu) -> Result<(), Pause> {
         self.spooled = self.spooled.union(list.set());
         let code = mcu.registers.sap.ssfp;
-        let line = self.executed_line();
+        let line = self.executed_place();
         for (axis, &value) in list.iter().zip(values) {
             // what is no code at all is refused like an unknown one
             mcu.ssf(axis, u16::try_from(code).unwrap_or(u16::MAX), value, line);

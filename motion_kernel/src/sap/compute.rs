@@ -118,7 +118,7 @@ impl Processor {
     ) -> Result<(), Pause> {
         use Instr::*;
         match instr {
-            Statement(line) => return self.before_statement(line),
+            Statement(_) => return self.before_statement(),
             Call(number, base) => return self.call(program, number, self.base + usize::from(base), false),
             Return => return self.leave(),
             Constant(to, number) => self.put(to, program.constants[number as usize]),

@@ -1,6 +1,6 @@
 //! The registers of a task that executes a rw_SymPas program, and its instructions on values and control flow.
 
-use super::code::Slot;
+use super::code::{Instr, Slot};
 use super::program::{Program, integer};
 use super::tables::Event;
 use crate::mcu::Mcu;
@@ -47,10 +47,11 @@ struct Frame {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Stepping {
     pub on: bool,
-    /// Line whose statements are being executed.
-    line: Option<u32>,
+    /// Place whose statements are being executed.
+    place: Option<u32>,
     /// Step over: do not stop where more calls are open than this.
     pub over: Option<usize>,
+    /// Places of the breakpoints.
     pub breaks: Vec<u32>,
     /// Address of the breakpoint that the task stands at and will pass.
     passing: Option<usize>,
@@ -60,6 +61,9 @@ pub(crate) struct Stepping {
 #[derive(Debug)]
 pub(crate) struct Processor {
     pub program: Arc<Program>,
+    /// See [`Program::offsets`]; what is added to all of them besides.
+    offsets: Box<[u32]>,
+    pub first_line: u32,
     pub(super) memory: Box<[u64; SLOTS]>,
     pub pc: usize,
     pub(super) base: usize,
@@ -99,6 +103,8 @@ impl Processor {
             overflow: false,
             spooled: crate::axes::AxisSet::EMPTY,
             number,
+            offsets: program.offsets().into(),
+            first_line: 0,
             program,
         };
         processor.restart();
@@ -152,23 +158,57 @@ impl Processor {
         let frame = usize::from(self.program.routines[usize::from(self.routine)].frame);
         ((SLOTS - self.base - frame) * 8) as u32
     }
-    /// Source line being executed.
+    /// Address of the instruction that comes next; during wt that of the wait.
+    fn next(&self) -> usize {
+        self.pc - usize::from(self.wait.is_some())
+    }
+    /// Line in its file, of the instruction that comes next.
     pub fn line(&self) -> u32 {
-        let at = self.pc - usize::from(self.wait.is_some()); // during wt the line of the wait
+        self.line_at(self.next())
+    }
+    /// Place of the instruction that comes next: its line among those of all files.
+    pub fn place(&self) -> u32 {
+        self.place_at(self.next())
+    }
+    /// Line in its file, and place, of the instruction being executed, or that failed.
+    pub fn executed_line(&self) -> u32 {
+        self.line_at(self.pc.saturating_sub(1))
+    }
+    pub fn executed_place(&self) -> u32 {
+        self.place_at(self.pc.saturating_sub(1))
+    }
+    fn line_at(&self, at: usize) -> u32 {
         self.program.lines.get(at).map_or(0, |(_, line)| *line)
+    }
+    fn place_at(&self, at: usize) -> u32 {
+        let place = |(file, line): &(u16, u32)| self.first_line + self.offsets[usize::from(*file)] + line;
+        self.program.lines.get(at).map_or(0, place)
     }
     /// The routine being executed.
     pub fn routine(&self) -> u16 {
         self.routine
     }
-    /// Names of the routines being executed, the main program first.
-    pub fn calls(&self) -> Vec<&str> {
-        let numbers = self.frames.iter().map(|f| f.routine).chain([self.routine]);
-        numbers.map(|n| self.program.routines[usize::from(n)].name.as_str()).collect()
+    /// Number and frame of the routines being executed, the main program first.
+    pub fn frames(&self) -> impl Iterator<Item = (u16, usize)> {
+        self.frames.iter().map(|f| (f.routine, f.base)).chain([(self.routine, self.base)])
     }
-    /// Source line of the instruction that failed.
-    pub fn executed_line(&self) -> u32 {
-        self.program.lines.get(self.pc.saturating_sub(1)).map_or(0, |(_, line)| *line)
+    /// Their names.
+    pub fn calls(&self) -> Vec<&str> {
+        self.frames().map(|(n, _)| self.program.routines[usize::from(n)].name.as_str()).collect()
+    }
+    /// A slot of a routine whose frame begins at `base`.
+    pub fn get_in(&self, slot: Slot, base: usize) -> u64 {
+        let at = if slot.is_global() { slot.index() } else { base + slot.index() };
+        self.memory[at & (SLOTS - 1)]
+    }
+    /// Places of statements, rising.
+    pub fn break_places(&self) -> Vec<u32> {
+        let code = self.program.code.iter().enumerate();
+        let mut places: Vec<u32> =
+            code.filter(|(_, i)| matches!(i, Instr::Statement(_))).map(|(at, _)| self.place_at(at)).collect();
+        places.sort_unstable();
+        places.dedup();
+        places
     }
     /// The share of one sample, at most `share` statements.
     pub fn run(&mut self, mcu: &mut Mcu, output: &mut crate::tasks::Output, share: u32) -> Pause {
@@ -257,8 +297,8 @@ impl Processor {
     }
 
     /// Events, single steps and breakpoints at the beginning of a statement.
-    pub(super) fn before_statement(&mut self, line: u32) -> Result<(), Pause> {
-        if self.stops_at(line) {
+    pub(super) fn before_statement(&mut self) -> Result<(), Pause> {
+        if self.stops_here() {
             self.pc -= 1;
             return Err(Pause::Line);
         }
@@ -295,14 +335,14 @@ impl Processor {
         Err(Pause::Waiting)
     }
 
-    fn stops_at(&mut self, line: u32) -> bool {
-        let here = self.pc - 1;
+    fn stops_here(&mut self) -> bool {
+        let (here, place) = (self.pc - 1, self.executed_place());
         if self.stepping.on {
             let deep = self.stepping.over.is_some_and(|most| self.frames.len() > most);
-            return !deep && *self.stepping.line.get_or_insert(line) != line;
+            return !deep && *self.stepping.place.get_or_insert(place) != place;
         }
         let passing = self.stepping.passing.take() == Some(here);
-        let stops = !passing && self.stepping.breaks.contains(&line);
+        let stops = !passing && self.stepping.breaks.contains(&place);
         self.stepping.passing = stops.then_some(here);
         stops
     }
@@ -310,14 +350,14 @@ impl Processor {
     /// Single-step mode for the next line; `over`: lines of called routines do not count.
     pub fn step(&mut self, over: bool) {
         self.stepping.on = true;
-        self.stepping.line = None;
+        self.stepping.place = None;
         self.stepping.over = over.then_some(self.frames.len());
     }
     /// Single-step mode behind the end of the routine being executed.
     pub fn step_out(&mut self) {
         self.step(true);
         self.stepping.over = Some(self.frames.len().saturating_sub(1));
-        self.stepping.line = Some(u32::MAX); // the first statement of the caller is another line
+        self.stepping.place = Some(u32::MAX); // the first statement of the caller is another line
     }
     pub fn run_on(&mut self) {
         self.stepping.on = false;

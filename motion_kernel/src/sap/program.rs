@@ -70,6 +70,25 @@ pub struct Program {
     pub variables: Vec<Variable>,
 }
 
+impl Program {
+    /// What is added to the lines of each file so that one number, a *place*, names a line of all of them: the text of
+    /// the job first, its includes behind it; at the end the number of all lines. Lines behind the last instruction of
+    /// a file have no place.
+    pub fn offsets(&self) -> Vec<u32> {
+        let mut most = vec![1; self.files.len()];
+        for &(file, line) in &self.lines {
+            if let Some(most) = most.get_mut(usize::from(file)) {
+                *most = line.max(*most);
+            }
+        }
+        let sums = most.iter().scan(0_u32, |sum, lines| {
+            *sum = sum.saturating_add(*lines);
+            Some(*sum)
+        });
+        std::iter::once(0).chain(sums).collect()
+    }
+}
+
 /// Slot values.
 pub const fn integer(value: i32) -> u64 {
     value as i64 as u64

@@ -2,12 +2,15 @@
 //!
 //! Slots carry no type that could be checked, and none is needed: a slot is 64 bits, and what an instruction makes of them
 //! is defined for every pattern (Integer: the low 32, Boolean: not 0, Double: the IEEE number, NaN included, axis and
-//! index: compared with the range at each use, else runtime error 0400 hex). A program whose types do not fit computes
+//! index: compared with the range at each use, else runtime error 0100 hex). A program whose types do not fit computes
 //! nonsense, as it would on the board, and nothing else.
 
 use super::code::{Instr, MOST_FRAME, MOST_GLOBALS, Slot};
 use super::program::{Program, Routine};
-use super::tables::Type;
+use super::tables::{BitQualifier, Command, Event, Function, Indexed, Qualifier, SystemParameter, TaskCommand, Type};
+
+/// Lines of a text with its includes.
+const MOST_LINES: u32 = 1 << 23;
 
 /// Why a program is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -59,6 +62,7 @@ fn whole(program: &Program) -> Result<(), &'static str> {
         (sorted.windows(2).all(|pair| pair[0] < pair[1]), "two routines begin at one address"),
         (lines.len() == code.len(), "the line table does not fit the code"),
         (files, "a line of an unknown file"),
+        (files && program.offsets().last().is_none_or(|&most| most <= MOST_LINES), "a line that no text has"),
         (globals.len() <= MOST_GLOBALS, "too many globals"),
         (program.task.is_none_or(|t| t < 4), "the task number is not 0 to 3"),
         (routines.iter().all(|r| usize::from(r.frame) <= MOST_FRAME), "a routine needs too large a frame"),
@@ -81,7 +85,7 @@ struct Piece<'p> {
 impl Piece<'_> {
     fn instruction(&self, address: u32) -> Result<(), &'static str> {
         let instr = self.program.code[address as usize];
-        if slots(instr).iter().flatten().any(|s| !self.holds(*s)) {
+        if !all_slots(instr, |slot| self.holds(slot)) {
             return Err("a slot outside globals and frame");
         }
         match instr {
@@ -140,84 +144,36 @@ impl Piece<'_> {
     }
 }
 
-/// The slots that an instruction names itself.
-fn slots(instr: Instr) -> [Option<Slot>; 3] {
-    use Instr::*;
-    match instr {
-        AddI(a, b, c)
-        | SubI(a, b, c)
-        | MulI(a, b, c)
-        | DivI(a, b, c)
-        | ModI(a, b, c)
-        | ShlI(a, b, c)
-        | ShrI(a, b, c)
-        | And(a, b, c)
-        | Or(a, b, c)
-        | Xor(a, b, c)
-        | AddD(a, b, c)
-        | SubD(a, b, c)
-        | MulD(a, b, c)
-        | DivD(a, b, c)
-        | AddT(a, b, c)
-        | SubT(a, b, c)
-        | EqI(a, b, c)
-        | NeI(a, b, c)
-        | LtI(a, b, c)
-        | LeI(a, b, c)
-        | EqD(a, b, c)
-        | NeD(a, b, c)
-        | LtD(a, b, c)
-        | LeD(a, b, c)
-        | EqT(a, b, c)
-        | NeT(a, b, c)
-        | LtT(a, b, c)
-        | LeT(a, b, c)
-        | Power(a, b, c)
-        | ReadAxisVar(_, a, b, c)
-        | WriteAxisVar(_, a, b, c) => [Some(a), Some(b), Some(c)],
-        Copy(a, b)
-        | NegI(a, b)
-        | NotI(a, b)
-        | NotB(a, b)
-        | NegD(a, b)
-        | ItoD(a, b)
-        | TtoD(a, b)
-        | DtoI(a, b)
-        | TtoI(a, b)
-        | ItoT(a, b)
-        | ItoB(a, b)
-        | DtoB(a, b)
-        | RoundS(a, b)
-        | IfEqI(a, b)
-        | IfNeI(a, b)
-        | IfLtI(a, b)
-        | IfLeI(a, b)
-        | IfEqD(a, b)
-        | IfNeD(a, b)
-        | IfLtD(a, b)
-        | IfLeD(a, b)
-        | NextUp(a, b)
-        | NextDown(a, b)
-        | Math(_, a, b)
-        | ReadSysVar(_, a, b)
-        | WriteSysVar(_, a, b)
-        | ReadAxis(_, a, b)
-        | WriteAxis(_, a, b)
-        | ReadAxisBit(_, _, a, b)
-        | WriteAxisBit(_, _, a, b)
-        | ReadBuffer(_, a, b)
-        | WriteBuffer(_, a, b) => [Some(a), Some(b), None],
-        Constant(a, _)
-        | JumpIfNot(a, _)
-        | ReadSystem(_, a)
-        | WriteSystem(_, a)
-        | ReadCi(a, _)
-        | WriteCi(a, _)
-        | ReadCd(a, _)
-        | WriteCd(a, _)
-        | Wait(a)
-        | WriteValue(_, a) => [Some(a), None, None],
-        Statement(_) | Jump(_) | Call(..) | Return | Do(..) | AwaitEnd(..) | Task(..) | Azo(_) | Enable(_)
-        | Disable(_) | Stop | Abort | WriteText(_) | Writeln => [None; 3],
+/// An operand of an instruction, which may be a slot.
+trait Operand {
+    fn slot(self) -> Option<Slot>;
+}
+impl Operand for Slot {
+    fn slot(self) -> Option<Slot> {
+        Some(self)
     }
 }
+macro_rules! no_slots {
+    ($($kind:ident)*) => {$(
+        impl Operand for $kind {
+            fn slot(self) -> Option<Slot> {
+                None
+            }
+        }
+    )*};
+}
+no_slots! { u8 u16 u32 bool Type Indexed SystemParameter Qualifier BitQualifier Function Command TaskCommand Event }
+
+macro_rules! slots_of {
+    ($($number:literal $name:ident $(($($operand:ident: $kind:ident),*))?;)*) => {
+        /// Whether a condition holds for all slots that an instruction names itself.
+        fn all_slots(instr: Instr, holds: impl Fn(Slot) -> bool) -> bool {
+            match instr {
+                $(Instr::$name $(($($operand),*))? => {
+                    true $($(&& $operand.slot().is_none_or(&holds))*)?
+                })*
+            }
+        }
+    };
+}
+crate::sap_instructions!(slots_of);

@@ -195,10 +195,11 @@ impl Task {
     pub fn program(&self) -> Option<&Arc<Program>> {
         self.program.as_ref()
     }
+    /// An error that nobody was told of, with its place (of a part program: its line).
     pub(crate) fn new_error(&mut self) -> Option<RuntimeError> {
-        let error = self.error.filter(|_| !self.told);
-        self.told |= error.is_some();
-        error
+        let error = self.error.filter(|_| !self.told)?;
+        self.told = true;
+        Some(RuntimeError { line: self.place(), ..error })
     }
     pub fn status(&self) -> TaskStatus {
         let running = u32::from(self.state == TaskState::Running)
@@ -214,7 +215,7 @@ impl Task {
             state: self.state,
         }
     }
-    fn line(&self) -> u32 {
+    pub(super) fn line(&self) -> u32 {
         if let Some(sap) = &self.sap {
             return sap.line();
         }

@@ -67,10 +67,9 @@ impl AxisFit {
         }
     }
 
-    /// Goes on from a standstill elsewhere.
+    /// The run begins elsewhere than its path.
     pub fn begin(&mut self, dp: f64) {
-        (self.last, self.direction, self.settled) = ([dp, 0.0, 0.0], 0.0, false);
-        (self.extreme, self.begun) = (dp, dp);
+        *self = AxisFit::new(dp, 1.0 / self.per_s);
     }
 
     /// A set point, and how far the load is behind it.

@@ -111,7 +111,7 @@ impl Evidence {
         }
     }
 
-    /// The axes are elsewhere now: no motion led there.
+    /// The run begins elsewhere than its path.
     pub fn begin(&mut self, dp: &[f64]) {
         self.axes.iter_mut().zip(dp).for_each(|(axis, &dp)| axis.begin(dp));
     }
