@@ -32,6 +32,16 @@ have a path each (`contours`). Spooling for other axes while some of them still 
 is a finding. A contour that `js`, `ms` or `rs` breaks off is measured up to there and makes the verdict WARN. Without
 ExactTargetPos a stop may be off by half a count. `translate job.src --json` lists what a job spools.
 
+`findings`, `circularity`, `--samples`, `--scan`, `--override-sweep` and `--reference` (the machine needs axes X and Y) mean
+what they mean for part programs; direct moves are no part of a drawing. `axes`, `following_error` and the curves of a report
+over time are of the whole run, direct moves too, and are told where nothing was spooled. `--from`, `--to`,
+`--time-optimal` and `--setup` are refused: a job has no blocks, waits for inputs, and names no tools.
+
+What a job does in an include is told with its file: task 0, line 9 of `ring.inc` (`task`, `line`, `file` in JSON; `file`
+null: the text of the task itself). In samples, recordings and reports one number names a line of all texts, a task's text
+first, its includes behind it, the tasks behind each other; the report says which. `errline` and `csrcline` are lines of
+their file.
+
 The job itself runs in the task of its `{$TASK n}`, else in task 0. A run ends when all tasks have ended and the axes
 stand, or at `--max-time`; a runtime error stops its task only. Where MODEREG bit 26 (StopAtWriteln) halts a task, the run
 takes its output and continues it.
