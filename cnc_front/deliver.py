@@ -64,7 +64,7 @@ def run_and_write(
     metadata = _metadata(job, options, tolerance, tolerance_from(tolerance_mm))
     metadata |= checks.metadata() if checks else {}
     more = checks.attachments() if checks else []
-    sink = RecordingSink(record, job, metadata, more, options.scan) if record else None
+    sink = RecordingSink(record, job, metadata, more, options.scan, job.facts["modal"]) if record else None
     plotting = Plotting(tolerance) if report else None
     table = samples_file(job.machine.machine, report) if options.samples else None
     result = dry_run(job, options, Both(sink, checks, table), plotting)

@@ -215,6 +215,10 @@ class Engine(Protocol):
     def set_switches(self, switches: Switches) -> None:
         """Only while no job is under way: the loaded job is compiled again with them before it starts."""
 
+    def seek(self, place: str) -> None:
+        """Winds a recording to a time, s ("1:23.5", "83.5", "+5", "-5"), or a block ("N620", "L12" for a line).
+        Raises UsageError for any other place, and where no recording is shown."""
+
     # ---- manual: only while no job is under way and no axis moves
 
     def jog(self, axis: str, distance: float) -> None:

@@ -27,7 +27,7 @@ from cnc_front.jobs import JobSource, MachineFile
 Columns = dict[str, Any]
 #: Keys of the run object that differ between two runs of the same input.
 VOLATILE = ("wall_time_s", "files")
-JOB, MACHINE, SEQUENCE, RESULT = "job", "machine.toml", "sequence.npz", "result.json"
+JOB, MACHINE, SEQUENCE, RESULT, MODAL = "job", "machine.toml", "sequence.npz", "result.json", "modal.npz"
 
 
 class Listed(Protocol):
@@ -58,14 +58,16 @@ class RecordingSink:
         metadata: dict[str, str],
         more: list[tuple[str, str, bytes]] | None = None,
         scan: Sequence[str] = (),
+        modal: Sequence[tuple[int, str]] = (),
     ) -> None:
-        """Creates the file, with `more` attachments (name, media type, bytes) and a topic for scanned resources; raises
-        OSError."""
+        """Creates the file, with `more` attachments (name, media type, bytes), a topic for scanned resources, and the
+        changes of the modal state by source line; raises OSError."""
         machine = job.machine.machine
         attachments = [
             (JOB, "text/plain", job.source.data),
             (MACHINE, "application/toml", job.machine.text.encode()),
             (SEQUENCE, "application/x-npz", _pack(job.program.sequence())),
+            *([(MODAL, "application/x-npz", _pack_modal(modal))] if modal else []),
             *(more or []),
         ]
         self.path = path
@@ -113,6 +115,8 @@ class Recorded:
     result: dict[str, Any] | None = None
     events: list[dict[str, Any]] = field(default_factory=list)
     damage: str | None = None
+    #: changes of the modal state by source line
+    modal: list[tuple[int, str]] = field(default_factory=list)
     #: attachments beside job, machine and sequence
     files: dict[str, bytes] = field(default_factory=dict)
     _reader: Any = None
@@ -153,8 +157,10 @@ def open_recording(path: str) -> Recorded:
         sequence = _unpack(found[SEQUENCE])
         job, machine, metadata = found[JOB], found[MACHINE].decode(), found["run"]
         result = json.loads(found[RESULT]) if RESULT in found else None
-    files = {name: bytes(found[name]) for name in found if name not in (JOB, MACHINE, SEQUENCE, RESULT, "run")}
-    return Recorded(path, job, machine, sequence, metadata, result, events, reader.damage, files, reader, first)
+        modal = _unpack_modal(found[MODAL]) if MODAL in found else []
+    known = (JOB, MACHINE, SEQUENCE, RESULT, MODAL, "run")
+    files = {name: bytes(found[name]) for name in found if name not in known}
+    return Recorded(path, job, machine, sequence, metadata, result, events, reader.damage, modal, files, reader, first)
 
 
 #: What reading a sound file with senseless content ends in.
@@ -185,3 +191,19 @@ def _pack(sequence: dict[str, NDArray[Any]]) -> bytes:
 def _unpack(data: bytes) -> dict[str, NDArray[Any]]:
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
         return {name: np.ascontiguousarray(arrays[name]) for name in arrays.files}
+
+
+def _pack_modal(modal: Sequence[tuple[int, str]]) -> bytes:
+    """A program may change between few states very often: each text once."""
+    texts = list(dict.fromkeys(state for _, state in modal))
+    number = {state: n for n, state in enumerate(texts)}
+    buffer = io.BytesIO()
+    rows = np.array([(line, number[state]) for line, state in modal], np.uint32)
+    np.savez_compressed(buffer, rows=rows, texts=np.frombuffer("\n".join(texts).encode(), np.uint8))
+    return buffer.getvalue()
+
+
+def _unpack_modal(data: bytes) -> list[tuple[int, str]]:
+    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+        texts = arrays["texts"].tobytes().decode().split("\n")
+        return [(line, texts[number]) for line, number in arrays["rows"].tolist()]

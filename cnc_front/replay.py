@@ -1,135 +1,62 @@
-"""Plays a recording in the terminal: an Engine that reads columns instead of moving a machine. Read-only.
-
-Nothing is emulated or judged anew: values stand as they were recorded. One chunk is in memory at a time.
-"""
+"""Plays a recording in the terminal: an Engine that reads columns instead of moving a machine. Read-only."""
 
 from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
-from pathlib import Path
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cnc_front._native import motion_kernel as native_kernel
-from cnc_front._native import toolpaths as native_paths
-from cnc_front.diagnostics import Diagnostic
 from cnc_front.engine import AxisValues, Job, Snapshot, State, Switches, wait_for
 from cnc_front.errors import CompileError, UsageError
-from cnc_front.jobs import JobSource
 from cnc_front.messages import text
 from cnc_front.outcome import Outcome
-from cnc_front.recording import Columns, Recorded, content_of, open_recording
+from cnc_front.reel import HELD, MOVING, WAITING, Film, Reel
+from cnc_front.replay_events import Happenings, clock
 from cnc_front.search import Start
 from cnc_front.service import Service
-from cnc_front.sim_job import CHORD_MM, MAX_POINTS, path_plot
+from cnc_front.sim_view import coolant_text, spindle_text
 
 #: Wall seconds between steps, and the largest step that a slow machine catches up.
 TICK_S, LAG_S = 0.01, 0.25
-#: Samples per step without pacing.
-SLICE = 8192
-#: Bit of the flags of a sample: waits (dwell, input).
-WAITING, MOVING = 4, 1
-
-
-class Film:
-    """A recording from its first sample on; `position` samples have been shown."""
-
-    def __init__(self, path: str) -> None:
-        """Raises CompileError for what is no recording of a part program."""
-        with content_of(path):
-            self.recorded: Recorded = open_recording(path)
-            metadata = self.recorded.metadata
-            if metadata.get("language", "din66025") != "din66025":
-                hint = "cnc-front report shows it"
-                message = "recordings of rw_SymPas jobs cannot be replayed"
-                raise CompileError([Diagnostic(path, 1, 1, 1, "CF401", message, hint)])
-            parsed = native_kernel.Machine.parse(self.recorded.machine_text.encode(), metadata["machine_path"])
-            self.machine = parsed
-            self.sample_s = parsed.sample_time_us * 1e-6
-            self.path = native_paths.Path(self.recorded.sequence)
-            self.line = self.path.polyline(CHORD_MM, MAX_POINTS)
-            self.tracker = native_paths.Tracker(self.path, sample_time_s=self.sample_s)
-            self.tracker.watch(self.line["s_mm"])
-            blocks = self.path.blocks()
-            self.entries, self.feeds = blocks["entry"], blocks["vl"]
-            self.job = self._view(path)
-        self.position, self.is_over = 0, False
-        self.max_mm, self.max_line = 0.0, 0
-        self.last: Columns | None = None  # the chunk being shown, and the next sample of it
-        self.at = 0
-        self._chunks: Iterator[Columns] = self.recorded.columns()
-        lines = self.line["lines"]
-        changes = np.flatnonzero(np.diff(lines)) if len(lines) else np.zeros(0, np.int64)
-        #: the vertex at which the block of each vertex ends
-        self.ends = np.append(changes, max(len(lines) - 1, 0))
-
-    def _view(self, path: str) -> Job:
-        names = list(self.machine.axis_names)
-        source = JobSource(self.recorded.metadata["job_path"], self.recorded.job, "din66025")
-        return Job(
-            path=path,
-            name=Path(path).name,
-            lines=source.text().splitlines(),
-            plot=path_plot(self.line, self.machine),
-            extents=dict(zip(names, self.path.extents, strict=True)),
-            tolerance_mm=float(self.recorded.metadata["tolerance_mm"]),
-        )
-
-    def advance(self, samples: int) -> None:
-        """Shows the next samples. Raises CompileError for senseless columns."""
-        with content_of(self.job.path):
-            while samples > 0 and not self.is_over:
-                if self.last is None or self.at >= len(self.last["flags"]):
-                    chunk = next(self._chunks, None)
-                    if chunk is None:
-                        self.is_over = True
-                        return
-                    self.last, self.at = chunk, 0
-                    continue
-                count = min(samples, len(self.last["flags"]) - self.at)
-                self._measure(slice(self.at, self.at + count))
-                self.at += count
-                self.position += count
-                samples -= count
-
-    def _measure(self, part: slice) -> None:
-        assert self.last is not None
-        names = ("dp", "load", "rp", "factor", "v_plan", "entry", "flags")
-        columns = {name: np.ascontiguousarray(self.last[name][part]) for name in names}
-        self.tracker.feed_columns(self.position, *(columns[name] for name in names))
-        deviation = self.last["deviation_mm"][part]
-        worst = int(np.argmax(deviation))
-        if float(deviation[worst]) > self.max_mm:
-            self.max_mm, self.max_line = float(deviation[worst]), int(self.last["line"][part][worst])
-
-    def value(self, name: str) -> Any:
-        """The sample shown last, of a column."""
-        return self.last[name][self.at - 1] if self.last is not None and self.at else None
-
-    def driven(self) -> tuple[int, NDArray[np.float32]]:
-        """How many vertices are done, and the largest deviation up to each, mm."""
-        values, approaching = self.tracker.watched()
-        return approaching, values
+#: Samples per step without pacing, and on the way to another place.
+SLICE, SEEKING = 8192, 65536
+#: States in which the film stands.
+STANDS = (State.READY, State.HOLD, State.STEP, State.DONE, State.ABORTED, State.ALARM)
 
 
 class ReplayEngine:
     """The Engine protocol of cnc_front.engine on a recording. Whatever would move a machine is refused."""
 
-    def __init__(self, path: str, *, language: str = "en", speed: float = 1.0) -> None:
-        """Opens the recording; raises CompileError."""
-        self._path, self._language, self._speed = path, language, max(0.0, speed)
+    def __init__(self, path: str, *, language: str = "en", speed: float = 1.0, revision: int = 1) -> None:
+        """Opens the recording and reads it once; raises CompileError. `revision`: that of its job."""
+        self._path, self._language, self._speed, self._revision = path, language, max(0.0, speed), revision
         self._lock = threading.Lock()
-        self._film = Film(path)
-        self._state, self._message, self._revision = State.READY, "", 1
+        self._reel = Reel(path)
+        self._film, self._happened = Film(self._reel), self._from_the_start()
+        self._state, self._message = State.READY, ""
+        self._single = False
+        self._until: int | None = None  # the sample at which a step ends
+        self._wanted: int | None = None  # the sample that is sought
         self._snapshot = self._look()
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._work, name="replay", daemon=True)
         self._thread.start()
+
+    def _from_the_start(self) -> Happenings:
+        reel = self._reel
+        return Happenings(
+            reel.index.events,
+            reel.machine,
+            reel.sample_s,
+            language=self._language,
+            schedule=reel.schedule,
+            ready=not reel.is_sap,
+            stopped=(reel.index.result or {}).get("error"),
+        )
 
     # ---- what may be done
 
@@ -138,21 +65,37 @@ class ReplayEngine:
         if path != self._path:
             raise UsageError(text("replay_only", self._language))
         self.reset()
-        return self._film.job
+        return self._reel.job
+
+    @property
+    def job(self) -> Job:
+        """The recorded program."""
+        return self._reel.job
 
     def current_job(self) -> Job | None:
-        """The recorded program."""
-        return self._film.job
+        """As `job`."""
+        return self._reel.job
 
     def start(self) -> None:
         """Plays; from the beginning when it is over."""
         with self._lock:
-            if self._state not in (State.DONE, State.ABORTED) or self._rewind():
-                self._set(State.RUNNING)
+            self._play_until(self._reel.index.next_change(self._film.position) if self._single else None)
+
+    def step(self) -> None:
+        """Plays to where the source line changes."""
+        with self._lock:
+            if self._state in STANDS:
+                self._play_until(self._reel.index.next_change(self._film.position))
+
+    def _play_until(self, sample: int | None) -> None:
+        if not self._film.is_over or self._rewind():
+            self._until = sample
+            self._set(State.RUNNING)
 
     def hold(self) -> None:
         """Pauses."""
         with self._lock:
+            self._wanted = None
             if self._state in (State.RUNNING, State.WAITING):
                 self._set(State.HOLD)
 
@@ -163,13 +106,30 @@ class ReplayEngine:
     def reset(self) -> None:
         """Back to the beginning."""
         with self._lock:
+            self._wanted = None
             if self._rewind():
                 self._set(State.READY)
+
+    def seek(self, place: str) -> None:
+        """To a time ("1:23.5", "83.5", "+5", "-5" s) or a block ("N620", "L12"); raises UsageError."""
+        with self._lock:
+            now = self._film.position if self._wanted is None else self._wanted
+            self._wanted = self._reel.sample_at(place, now, self._language)
+            if self._state not in (State.RUNNING, State.WAITING):
+                self._state = State.HOLD
+            self._until = None
 
     def set_speed(self, factor: float) -> None:
         """Recorded seconds per wall second; 0 plays as fast as possible."""
         with self._lock:
             self._speed = max(0.0, factor)
+            self._snapshot = self._look()
+
+    def set_single_block(self, on: bool) -> None:
+        """Pauses where the source line changes."""
+        with self._lock:
+            self._single = on
+            self._until = self._reel.index.next_change(self._film.position) if on else None
             self._snapshot = self._look()
 
     # ---- what is refused
@@ -179,19 +139,11 @@ class ReplayEngine:
             self._message = text("replay_only", self._language)
             self._snapshot = self._look()
 
-    def step(self) -> None:
-        """Refused."""
-        self._refuse()
-
     def set_override(self, factor: float) -> None:
         """Refused."""
         self._refuse()
 
     def set_rapid(self, factor: float) -> None:
-        """Refused."""
-        self._refuse()
-
-    def set_single_block(self, on: bool) -> None:
         """Refused."""
         self._refuse()
 
@@ -264,105 +216,206 @@ class ReplayEngine:
 
     def _work(self) -> None:
         before, owed = time.monotonic(), 0.0
-        while not self._closing.wait(TICK_S):
+        while not self._closing.wait(0.0 if self._wanted is not None else TICK_S):
             now = time.monotonic()
             passed, before = min(now - before, LAG_S), now
             with self._lock:
-                if self._state not in (State.RUNNING, State.WAITING):
+                if self._wanted is not None:
+                    self._go_to(self._wanted)
+                elif self._state in (State.RUNNING, State.WAITING):
+                    owed += passed * self._speed / self._reel.sample_s
+                    samples = int(owed) if self._speed else SLICE
+                    owed = owed - samples if self._speed else 0.0
+                    self._play(samples)
+                else:
                     owed = 0.0
-                    continue
-                owed += passed * self._speed / self._film.sample_s
-                samples = int(owed) if self._speed else SLICE
-                owed = owed - samples if self._speed else 0.0
-                self._play(samples)
+
+    def _go_to(self, sample: int) -> None:
+        """A stretch of the way to a sample; hold and close need not wait for all of it."""
+        if sample < self._film.position and not self._rewind():
+            self._wanted = None
+            return
+        if self._advance(min(sample - self._film.position, SEEKING)):
+            is_there = self._film.position >= sample or self._film.is_over
+            self._set(self._state, "" if is_there else text("replay_seeks", self._language))
+            self._wanted = None if is_there else sample
 
     def _play(self, samples: int) -> None:
         film = self._film
-        try:
-            film.advance(samples)
-        except CompileError as error:
-            self._set(State.ABORTED, error.diagnostics[0].message)
+        if self._until is not None:
+            samples = min(samples, self._until - film.position)
+        if not self._advance(samples):
             return
-        if film.is_over:
-            result = film.recorded.result or {"status": "failed"}
-            cut = film.recorded.damage or result.get("status") in ("stopped", "failed")
-            note = text("replay_cut", self._language, reason=film.recorded.damage or "") if cut else ""
-            self._set(State.ABORTED if cut else State.DONE, note)
+        if film.is_over or film.position >= self._reel.index.samples:
+            self._advance(1)  # the end of the file
+            self._end()
+        elif self._until is not None and film.position >= self._until:
+            self._until = None
+            self._set(State.STEP)
         else:
             flags = int(film.value("flags") or 0)
-            self._set(State.WAITING if flags & WAITING and not flags & MOVING else State.RUNNING)
+            stands = flags & (WAITING | HELD) and not flags & MOVING
+            self._set(State.WAITING if stands else State.RUNNING)
+
+    def _advance(self, samples: int) -> bool:
+        """False, and said, where the recording cannot be read on."""
+        try:
+            self._film.advance(samples)
+        except CompileError as error:
+            self._wanted = None
+            self._set(State.ABORTED, error.diagnostics[0].message)
+            return False
+        self._happened.go_on(self._film.position if not self._film.is_over else 1 << 62)
+        return True
+
+    def _end(self) -> None:
+        """State and message at the end: how the recorded run came out."""
+        index = self._reel.index
+        result = index.result or {"status": "failed"}
+        error = result.get("error") or {}
+        if self._film.is_complete:
+            verdict = (result.get("verdict") or {}).get("word", "")
+            self._set(State.DONE, text("replay_end", self._language, verdict=verdict, time=clock(self._now_s)))
+        else:
+            reason = index.damage or self._reason(result)
+            state = State.ALARM if error.get("id") == "CF302" else State.ABORTED
+            self._set(state, text("replay_cut", self._language, reason=reason).rstrip(": "))
+
+    def _reason(self, result: dict[str, Any]) -> str:
+        """Why the recorded run ended, in the operator's language."""
+        first = next(iter((result.get("verdict") or {}).get("reasons") or ()), None)
+        if first is None:
+            return ""
+        return text(first["id"], self._language, **{key: value for key, value in first.items() if key != "id"})
 
     def _rewind(self) -> bool:
         """To the first sample; False (and said) where the file is there no more."""
-        if not self._film.position:
+        self._until = None
+        if not self._film.position and not self._film.is_over:
             return True
         try:
-            self._film = Film(self._path)
+            self._film, self._happened = Film(self._reel), self._from_the_start()
         except (CompileError, OSError) as error:
             reason = error.diagnostics[0].message if isinstance(error, CompileError) else str(error)
             self._set(State.ABORTED, reason)
             return False
-        self._revision += 1
         return True
 
     def _set(self, state: State, message: str = "") -> None:
         self._state, self._message = state, message
         self._snapshot = self._look()
 
+    @property
+    def _now_s(self) -> float:
+        return self._film.position * self._reel.sample_s
+
+    # ---- the snapshot
+
     def _look(self) -> Snapshot:
-        film, waits = self._film, self._state is State.WAITING
-        entry = int(film.value("entry") or 0)
-        place = int(np.searchsorted(film.entries, entry))
-        programmed = float(film.feeds[place]) * 60 if entry and place < len(film.feeds) else 0.0
+        film, reel, happened = self._film, self._reel, self._happened
         factor = film.value("factor")
         effective = 1.0 if factor is None else float(factor)
-        return replace(
-            self._empty(),
-            why={State.WAITING: "dwell", State.HOLD: "hold"}.get(self._state, ""),
-            machine_time_s=film.position * film.sample_s,
-            time_total_s=(film.recorded.result or {}).get("machine_time_s"),
-            line=0 if waits else int(film.value("line") or 0),
-            axes=self._axes(),
-            feed_programmed=programmed,
+        fills, empty_s = self._spoolers()
+        return Snapshot(
+            state=self._state,
+            why=self._why(),
+            machine_time_s=self._now_s,
+            line=film.line,
+            axes=self._axes(fills),
+            feed_programmed=self._programmed(),
             feed_actual=float(film.value("v_plan") or 0.0) * effective * 60,  # v_plan is nominal
-            override_set=effective,
+            override_set=happened.override_at(self._now_s),
             override_effective=effective,
             path_done_mm=self._done_mm(),
+            path_total_mm=reel.length_mm,
+            time_total_s=reel.index.samples * reel.sample_s,
             deviation_now_mm=float(film.value("deviation_mm") or 0.0),
             deviation_max_mm=film.max_mm,
             deviation_max_line=film.max_line,
+            spool_empty_s=empty_s,
+            modal=reel.modal_at(film.line),
+            tool=happened.tool,
+            spindle="" if reel.is_sap else spindle_text(happened.outputs, film.speed),
+            coolant="" if reel.is_sap else coolant_text(happened.outputs),
+            speed_factor=self._speed,
+            single_block=self._single,
+            message=self._message or happened.note(self._now_s),
+            alarms=happened.alarms,
+            inputs=happened.inputs,
+            outputs=happened.outputs,
+            revision=self._revision,
+            replay=True,
         )
 
-    def _empty(self) -> Snapshot:
-        total = self._film.path.length_mm
-        return Snapshot(
-            self._state, "", 0.0, 0, (), 0.0, 0.0, 1.0, 1.0, 0.0, total, None, 0.0, 0.0, 0, 0.0, "", 0, "", "",
-            self._speed, False, self._message, revision=self._revision, replay=True,
-        )  # fmt: skip
+    def _why(self) -> str:
+        if self._state is State.WAITING:
+            return "held" if int(self._film.value("flags") or 0) & HELD else "dwell"
+        if self._state is State.ALARM and self._happened.alarms:
+            return str(((self._reel.index.result or {}).get("error") or {}).get("name", ""))
+        return "hold" if self._state is State.HOLD else ""
+
+    def _programmed(self) -> float:
+        """Feed of the present block, mm/min."""
+        reel = self._reel
+        entry = int(self._film.value("entry") or 0)
+        place = int(np.searchsorted(reel.entries, entry))
+        return float(reel.blocks["vl"][place]) * 60 if entry and place < len(reel.entries) else 0.0
+
+    def _spoolers(self) -> tuple[list[float], float]:
+        """Fill of each spooler, and the nominal time of what waits in them; NaN where it is not recorded."""
+        film, reel = self._film, self._reel
+        known = film.spoolers() if film.position else None
+        if known is None:
+            return [0.0 if not film.position else np.nan] * len(
+                reel.machine.axis_names
+            ), 0.0 if not film.position else np.nan
+        fills, waiting = known
+        entry = int(film.value("entry") or 0)
+        first, last = np.searchsorted(reel.entries, [entry, entry + waiting], side="right")
+        ends = np.append(reel.ends_s, 0.0)  # at index -1: before the first
+        left = float(ends[last - 1] - ends[first - 1]) if len(reel.entries) else 0.0
+        return fills, left / max(float(film.value("factor") or 1.0), 1e-6)
 
     def _done_mm(self) -> float:
-        film = self._film
+        film, reel = self._film, self._reel
         if self._state is State.DONE:
-            return film.path.length_mm
-        place = film.value("dp")
-        _, next_vertex = film.tracker.watched()
-        if place is None or next_vertex >= len(film.line["s_mm"]):
-            return 0.0 if place is None else film.path.length_mm
-        left = float(np.linalg.norm(film.line["points"][next_vertex] - place))
-        return max(0.0, float(film.line["s_mm"][next_vertex]) - left)
+            return reel.length_mm
+        place, s_mm = film.value("dp"), reel.line["s_mm"]
+        next_vertex, _ = film.driven()
+        if place is None or not len(s_mm):
+            return 0.0
+        if next_vertex >= len(s_mm):
+            return reel.length_mm
+        left = float(np.linalg.norm(reel.line["points"][next_vertex] - place)) if film.trackers else 0.0
+        return max(0.0, float(s_mm[next_vertex]) - left)
 
-    def _axes(self) -> tuple[AxisValues, ...]:
-        film, machine = self._film, self._film.machine
+    def _axes(self, fills: Sequence[float]) -> tuple[AxisValues, ...]:
+        film, reel, machine = self._film, self._reel, self._reel.machine
         actual, command = film.value("rp"), film.value("dp")
-        points = film.line["points"]
+        points = reel.line["points"]
         if actual is None or command is None:
             actual = command = points[0] if len(points) else np.zeros(len(machine.axis_names))
         target = command
-        if len(points):
-            vertex = min(film.tracker.watched()[1], len(points) - 1)
-            target = points[film.ends[np.searchsorted(film.ends, vertex)]]
-        rows = zip(machine.axis_names, machine.units, actual, command, target, machine.mpe, strict=True)
+        if len(points) and film.trackers:
+            vertex = min(film.driven()[0], len(points) - 1)
+            target = points[reel.ends[np.searchsorted(reel.ends, vertex)]]
+        rows: Any = zip(
+            machine.axis_names, machine.units, actual, command, target, machine.mpe, fills, machine.limits, strict=True
+        )
+        bits = self._happened.bits
         return tuple(
-            AxisValues(name, unit, float(a), float(c), float(t - c), float(c - a), mpe, True, 0.0, ())
-            for name, unit, a, c, t, mpe in rows
+            AxisValues(
+                name=name,
+                unit=unit,
+                actual=float(a),
+                command=float(c),
+                to_go=float(t - c),
+                following=float(c - a),
+                mpe=mpe,
+                referenced="referenced" in bits[name],
+                spool_fill=fill,
+                bits=tuple(sorted(bits[name])),
+                limits=limits,
+            )
+            for name, unit, a, c, t, mpe, fill, limits in rows
         )

@@ -21,6 +21,8 @@ from cnc_front.streaming import EXECUTES, StreamedJob
 
 #: Samples per chunk: large enough that Python costs nothing, small enough to answer Ctrl+C within a blink.
 CHUNK = 1 << 16
+#: The same for a recording, which tells at the end of each chunk what stands in the spoolers.
+RECORDED = 2000
 
 
 class Sink(Protocol):
@@ -121,7 +123,8 @@ def _dry_run(
     # the controller runs ahead by one chunk while the one before is measured and written
     with ThreadPoolExecutor(1, "measure") as worker:
         measured: Future[None] | None = None
-        while (chunk := execution.advance(CHUNK)) is not None:
+        samples = CHUNK if sink is None else RECORDED
+        while (chunk := execution.advance(samples)) is not None:
             happened = execution.happened()
             if measured is not None:
                 measured.result()

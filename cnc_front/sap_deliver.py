@@ -134,7 +134,7 @@ def _packed(paths: Paths) -> dict[str, Any]:
     return packed
 
 
-def _unpacked(packed: dict[str, Any]) -> list[tuple[dict[str, Any], list[tuple[int, int, int, bool]]]]:
+def lanes_of(packed: dict[str, Any]) -> list[tuple[dict[str, Any], list[tuple[int, int, int, bool]]]]:
     lanes = []
     for n in range(len({key.partition(".")[0] for key in packed})):
         columns = {key.partition(".")[2]: column for key, column in packed.items() if key.partition(".")[0] == str(n)}
@@ -165,7 +165,7 @@ def measured_again(recorded: Recorded, setup: Setup | None, reference: Reference
     source = JobSource(metadata["job_path"], recorded.job, metadata["language"])
     schedule = [(t, f) for t, f in json.loads(metadata["schedule"])]
     options = {"sample_time_s": machine.sample_time_us * 1e-6, "schedule": schedule}
-    measuring = Measuring.of(_unpacked(recorded.sequence), options)
+    measuring = Measuring.of(lanes_of(recorded.sequence), options)
     plotting = Plotting(float(metadata["tolerance_mm"]))
     plotting.begin(measuring.paths[0], measuring.trackers[0])
     checks = checks_recorded(recorded, machine, setup, reference)

@@ -157,6 +157,10 @@ class SimEngine:
         """Feed override from the next sample on, ramped with TROVRST; factors of 0 and less are refused."""
         self._wish(lambda: self._machine.set_override(factor))
 
+    def seek(self, place: str) -> None:
+        """Raises UsageError: no machine can be wound back."""
+        raise UsageError(text("replay_none", self._language))
+
     def set_rapid(self, factor: float) -> None:
         """Rapid override, up to 1: the lower one of both counts while a rapid block is current (design D30)."""
         self._wish(lambda: self._machine.set_rapid(factor))

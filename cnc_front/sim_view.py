@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from cnc_front._native import motion_kernel as native_kernel
@@ -70,8 +70,8 @@ def bench_snapshot(common: Common) -> Snapshot:
         spool_empty_s=0.0,
         modal=(loaded.fact("modal", 1) or "") if loaded else "",
         tool=0,
-        spindle=_spindle(bench.mcu, status),
-        coolant=_coolant(status),
+        spindle=spindle_text(_outputs(status), bench.mcu.rdcd(SPEED_CD)),
+        coolant=coolant_text(_outputs(status)),
         message=operator.message,
         stop=common.stop,
         inputs=_inputs(bench.mcu),
@@ -141,8 +141,8 @@ def run_snapshot(common: Common, run: SimRun) -> Snapshot:
         spool_empty_s=_spool_empty_s(loaded, run, status),
         modal=loaded.fact("modal", line) or "",
         tool=_tool(run),
-        spindle=_spindle(mcu, status),
-        coolant=_coolant(status),
+        spindle=spindle_text(_outputs(status), mcu.rdcd(SPEED_CD)),
+        coolant=coolant_text(_outputs(status)),
         message=common.operator.message or _last_message(run),
         alarms=_alarms(run, common),
         stop=run.stop,
@@ -216,14 +216,14 @@ def _tool(run: SimRun) -> int:
     return int(changes[-1]) if changes else 0
 
 
-def _spindle(mcu: native_kernel.Mcu, status: dict[str, Any]) -> str:
-    outputs = _outputs(status)
+def spindle_text(outputs: int, speed: float) -> str:
+    """M3, M4 or M5 with S, from the outputs of part programs."""
     word = "M3" if outputs & CLOCKWISE else "M4" if outputs & COUNTER_CLOCKWISE else "M5"
-    return word if word == "M5" else f"{word} S{mcu.rdcd(SPEED_CD):g}"
+    return word if word == "M5" else f"{word} S{speed:g}"
 
 
-def _coolant(status: dict[str, Any]) -> str:
-    outputs = _outputs(status)
+def coolant_text(outputs: int) -> str:
+    """M7, M8 or M9."""
     return " ".join(word for bit, word in ((MIST, "M7"), (FLOOD, "M8")) if outputs & bit) or "M9"
 
 
@@ -256,7 +256,12 @@ def _alarms(run: SimRun, common: Common) -> tuple[Alarm, ...]:
 
 
 def _alarm(event: AlarmEvent, stopped: bool, common: Common) -> Alarm:
-    fact = alarm_fact(event, common.bench.file.machine, common.language)
-    code, text = alarm_text(event.name, event.bit, event.axis, common.language, fact)
-    line = 0 if common.mode is Mode.MDI else event.line
-    return Alarm(event.t_s, code, event.axis, line, text, stopped, event.name)
+    alarm = alarm_of(event, common.bench.file.machine, common.language, stopped=stopped)
+    return replace(alarm, line=0) if common.mode is Mode.MDI else alarm
+
+
+def alarm_of(event: AlarmEvent, machine: native_kernel.Machine, language: str, *, stopped: bool) -> Alarm:
+    """A bit that came up, in words; `stopped`: it ended the run."""
+    fact = alarm_fact(event, machine, language)
+    code, text = alarm_text(event.name, event.bit, event.axis, language, fact)
+    return Alarm(event.t_s, code, event.axis, event.line, text, stopped, event.name)

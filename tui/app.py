@@ -212,7 +212,7 @@ class Terminal(MotionKeys):
 
     def load(self, path: str) -> None:
         """Compiles a job beside the screen; it replaces the loaded one if it has no errors."""
-        if self.operation.is_underway:
+        if self.operation.is_underway and not self.engine.snapshot().replay:
             self.say(self.words("job_busy"))
             return
         self.say(self.words("loading", name=path[-50:]))
@@ -231,15 +231,19 @@ class Terminal(MotionKeys):
     def _loaded(self, job: Job) -> None:
         total = self.engine.snapshot().path_total_mm
         self.say(self.words("loaded", name=job.name, lines=len(job.lines), path=total))
+        if self.engine.snapshot().replay:
+            self.action_show("run")
         self.tick()
 
     def _take(self, revision: int) -> None:
         """The engine has another job, or has checked it again."""
         job = self.engine.current_job()
         self._revision = revision
-        if job is None:
-            return
         self.job = job
+        if job is None:  # a recording was put away
+            self.picture = PathPicture(self.look)
+            self.program.take(())
+            return
         gc.freeze()  # a program of a million lines must not be walked through at every collection
         self.jobs.check = Check(job.name, job)
         self.picture.take(job)

@@ -26,7 +26,8 @@ class Keeper:
     def watch(self, shown: Shown, now: datetime) -> None:
         """Called for every frame."""
         self._job = shown.job.path if shown.job else ""
-        self.book.watch(shown.snapshot, shown.job, now, self._opened)
+        replayed = shown.snapshot.replay  # what a recording shows happened, and was kept, before
+        self.book.watch(shown.snapshot, shown.job, now, (lambda _: None) if replayed else self._opened)
         outcome = self._engine.outcome()
         if outcome is not None and outcome.number != self._run:
             self._run = outcome.number

@@ -94,6 +94,8 @@ KEYS: tuple[Key, ...] = (
     Key("scroll(1)", "down", "", "", ""),
     Key("scroll(-20)", "pageup", "PgUp/PgDn", "program, list: by a page", "Programm, Liste: seitenweise"),
     Key("scroll(20)", "pagedown", "", "", ""),
+    Key("seek(-5)", "u", "u m", "replay: 5 s back, on (G: to a place)", "Replay: 5 s zurück, vor (G: Ort)", page="run"),
+    Key("seek(5)", "m", "", "", "", page="run"),
     Key("current", "c", "c", "back to the current block", "zurück zum laufenden Satz", page="run"),
     Key("start_at", "G", "G", "start at block (shows the state, asks)", "Satzsuchlauf (zeigt Zustand, fragt)"),
     Key("find", "ctrl+f", "^F", "find text in the program", "Text im Programm suchen"),

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from typing import cast
 
 from cnc_front.engine import Engine, State
 from cnc_front.errors import Exit, UsageError
@@ -124,16 +125,14 @@ def debug(options: argparse.Namespace, look: Look, words: Words) -> int:
 
 
 def make_engine(options: argparse.Namespace, language: str) -> Engine:
-    """The emulator, or a recording. A link to a real controller would stand here."""
-    if is_recording(options):
-        from cnc_front.replay import ReplayEngine
-
-        return ReplayEngine(options.job, language=language, speed=options.speed)
+    """The emulator, or a recording once one is loaded. A link to a real controller would stand here."""
+    from cnc_front.console import Console
     from cnc_front.jobs import CompileOptions
     from cnc_front.sim import SimEngine
 
     compiling = CompileOptions(options.profile, options.optional_stop, tuple(options.skip), options.language)
-    return SimEngine(options.machine, compiling, language=language, speed=options.speed)
+    machine = SimEngine(options.machine, compiling, language=language, speed=options.speed)
+    return cast(Engine, Console(machine, language))
 
 
 def hold_when_hung_up(engine: Engine, leave: Callable[[], None]) -> None:

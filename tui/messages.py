@@ -44,6 +44,7 @@ class Messages:
         self._state: State | None = None
         self._state_at = 0.0
         self._since = ""
+        self._replayed = ""  # the last message of a recording
         self.index = 0
 
     def say(self, text: str, now: datetime, code: str = "") -> None:
@@ -61,6 +62,10 @@ class Messages:
             self.log.append(Logged(clock, "", " ".join(word for word in (*words, place) if word)))
             self._since = clock
             self._state, self._state_at, self.index = s.state, time.monotonic(), 0
+        if s.replay and s.message != self._replayed:
+            self._replayed = s.message
+            if s.message:
+                self.log.append(Logged(clock, "", s.message))
         if not s.alarms:
             self._known.clear()
         for alarm in s.alarms:
@@ -85,7 +90,7 @@ class Messages:
     def current(self, shown: Shown, armed: bool, width: int = 1000) -> tuple[str, str, bool]:
         """Text, name of its style, and whether there are more. What does not fit into `width` comes in parts."""
         if armed:
-            return self._words("reset_armed"), "hold", False
+            return self._words("replay_reset" if shown.snapshot.replay else "reset_armed"), "hold", False
         active = list(self._active(shown))
         alone = len(active) == 1 and len(active[0][0]) <= width - 2
         room = width - 2 - (0 if alone else len(self._words("details")) + 1)
@@ -126,6 +131,8 @@ class Messages:
     def _of_state(self, shown: Shown) -> str:
         """Why it stands, since when, which of the four stops that is, and what goes on from there."""
         s, words = shown.snapshot, self._words
+        if s.replay:
+            return words("replay_paused") if s.state in (State.HOLD, State.STEP) else ""
         if s.state is State.STOPPED:
             known = f"stopped_{s.why}"
             text = words(known, tool=s.tool) if known in TEXTS else words("stopped", why=s.why)

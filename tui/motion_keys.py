@@ -124,7 +124,9 @@ class MotionKeys(App[None]):
 
     def action_start_at(self) -> None:
         """Asks for a block, shows the state before it, asks again; `r` then starts there."""
-        if self.operation.is_underway:
+        if self.engine.snapshot().replay:
+            self.ask(self.words("replay_ask"), self.words("field_keys"), self.operation.seek)
+        elif self.operation.is_underway:
             self.say(self.words("job_busy"))
         elif self.program.lines:
             chosen = self.program.chosen

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from cnc_front.engine import Engine, Mode, State
+from cnc_front.errors import UsageError
 from tui.keys import LATE_S
 from tui.states import RESUMABLE, STARTABLE, UNDERWAY
 from tui.words import Words
@@ -65,7 +66,7 @@ class Operation:
             return
         if state in RESUMABLE:
             self._engine.resume()
-        elif state in STARTABLE:
+        elif self._engine.snapshot().replay or state in STARTABLE:
             self._engine.start()
         else:
             self._refuse(state)
@@ -161,7 +162,7 @@ class Operation:
         if not self.is_armed:
             return False
         self._armed_at = -ARMED_S
-        if self.is_underway:
+        if self.is_underway and not self._engine.snapshot().replay:
             self._say(self._words("reset_done"))
         self._engine.reset()
         return True
@@ -190,6 +191,13 @@ class Operation:
             self.set_override(percent)
         else:
             self._say(self._words("override_bad", text=text.strip()[:20], low=LOW, high=HIGH))
+
+    def seek(self, place: str) -> None:
+        """Winds a recording."""
+        try:
+            self._engine.seek(place)
+        except UsageError as error:
+            self._say(str(error))
 
     def change_speed(self, by: int) -> None:
         """To the next of SPEEDS."""

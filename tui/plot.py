@@ -75,7 +75,9 @@ class PathPicture:
     def _begin_again(self) -> None:
         self._deviation = np.full(len(self._points), np.nan, np.float32)
         self._classes = np.where(self._drawn, TODO, 0).astype(np.uint8)
-        self.reached, self.over, self._window = 0, {}, None
+        self.reached, self.over = 0, {}
+        if self._window is not None:
+            self._draw_all(self._window)
 
     def driven(self, reached: int, values: NDArray[np.float32]) -> None:
         """Takes what the engine measured from `self.reached` on; a smaller index means a new start."""

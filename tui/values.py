@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isnan
 
 from rich.style import Style
 from textual.strip import Strip
@@ -152,8 +153,13 @@ def _deviation(shown: Shown) -> Row:
 def _spooler(shown: Shown) -> Row:
     row = Row(shown.value).add(f" {shown.words('spool')}", shown.look.dim).add("  ")
     for axis in shown.snapshot.axes[:4]:
-        row.add(f"{axis.name} {axis.spool_fill * 100:.0f} %  ")
-    return row.at(row.width + 1, f"{shown.words('empty_in')} {shown.snapshot.spool_empty_s:.1f} s")
+        row.add(f"{axis.name} {_known(axis.spool_fill * 100, 0)} %  ")
+    return row.at(row.width + 1, f"{shown.words('empty_in')} {_known(shown.snapshot.spool_empty_s, 1)} s")
+
+
+def _known(value: float, digits: int) -> str:
+    """A number, or `-` for one that an older recording does not hold."""
+    return "-" if isnan(value) else f"{value:.{digits}f}"
 
 
 def _modes(shown: Shown) -> Row:
@@ -179,7 +185,7 @@ def compact_rows(shown: Shown, width: int) -> list[Strip]:
         ("F", _feed(shown), value),
         (words("override"), override, look.warn if is_low(s) else value),
         (words("deviation"), worst, _deviation_style(shown)),
-        (words("spool"), f"{fill * 100:.0f} %  {s.spool_empty_s:.1f} s", value),
+        (words("spool"), f"{_known(fill * 100, 0)} %  {_known(s.spool_empty_s, 1)} s", value),
     )
     for row, (name, text, style) in zip(rows, right, strict=False):
         row.at(54, name, look.dim).at(60 if name == words("spool") else 59, text, style)

@@ -91,6 +91,19 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Reset drops the spooler; the job starts again from the top. Homing stays. Enter within 3 s.",
         "Reset leert den Spooler; Auftrag beginnt von vorn. Referenz bleibt. Enter in 3 s.",
     ),
+    "replay_reset": (
+        "Enter within 3 s: back to the beginning; at the beginning: the recording is put away.",
+        "Enter in 3 s: zurück zum Anfang; am Anfang: die Aufzeichnung wird weggelegt.",
+    ),
+    "replay_paused": (
+        "Paused; r plays on, t a block, u m wind, G to time or block.",
+        "Pause; r weiter, t ein Satz, u m spulen, G zu Zeit oder Satz.",
+    ),
+    "replay_ask": (
+        "Wind to a time (1:23.5), block (N620) or line (L12):",
+        "Spulen zu Zeit (1:23.5), Satz (N620) oder Zeile (L12):",
+    ),
+    "wait_held": ("the operator (feed hold)", "den Bediener (Vorschub-Halt)"),
     "reset_done": (
         "ABORT: braked on the path, spooler dropped; r starts from the top.",
         "ABBRUCH: auf der Bahn gebremst, Spooler leer; r beginnt von vorn.",

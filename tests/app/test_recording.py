@@ -43,7 +43,8 @@ def test_the_stock_reader_reads_it(recorded: tuple[Path, dict]) -> None:
         topics = {channel.topic: channel for channel in summary.channels.values()}
         assert set(topics) == {"/columns", "/state", "/events"}
         assert summary.schemas[topics["/state"].schema_id].encoding == "jsonschema"
-        assert [a.name for a in reader.iter_attachments()] == ["job", "machine.toml", "sequence.npz", "result.json"]
+        attached = ["job", "machine.toml", "sequence.npz", "modal.npz", "result.json"]
+        assert [a.name for a in reader.iter_attachments()] == attached
         times, worst = [], 0.0
         for _, _, message in reader.iter_messages(topics=["/state"]):
             state = json.loads(message.data)

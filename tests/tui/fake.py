@@ -138,6 +138,9 @@ class FakeEngine:
     def current_job(self) -> Job | None:
         return self.job if self.now.revision else None
 
+    def seek(self, place: str) -> None:
+        self.calls.append(f"seek {place}")
+
     def search(self, block: str) -> Start:
         self.calls.append(f"search {block}")
         if block == "1":

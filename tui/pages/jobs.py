@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 MOST_FINDINGS = 200
 #: Files listed.
 _FILES = 200
-_JOB_ENDINGS = {".nc", ".ngc", ".gcode", ".tap", ".mpf", ".spf", ".cnc", ".din", ".iso", ".txt", ".src"}
+_JOB_ENDINGS = {".nc", ".ngc", ".gcode", ".tap", ".mpf", ".spf", ".cnc", ".din", ".iso", ".txt", ".src", ".mcap"}
 
 
 #: What is listed above the check: files that begin with what was typed, jobs of the history, the queue.
@@ -220,7 +220,8 @@ def file_rows(view: View, files: Sequence[str], cursor: int) -> list[Row]:
 
 
 def _kind(path: str) -> str:
-    return "SymPas   " if path.lower().endswith(".src") else "DIN 66025"
+    kinds = {".src": "SymPas   ", ".mcap": "MCAP     "}
+    return kinds.get(Path(path).suffix.lower(), "DIN 66025")
 
 
 def _size(path: str) -> str:

@@ -75,6 +75,10 @@ class RunPage(Page):
         """The path from another side."""
         self.app.picture.next_plane()
 
+    def key_seek(self, seconds: int) -> None:
+        """Winds a recording."""
+        self.app.operation.seek(f"{seconds:+d}")
+
     def key_zoom(self, steps: int) -> None:
         """Nearer or farther."""
         self.app.picture.zoom(steps)

@@ -1,6 +1,7 @@
 //! Samples as NumPy columns: the vectors of the trace move into the arrays, nothing is copied.
 
 use motion_kernel::Stop;
+use motion_kernel::mcu::TASKS;
 use motion_kernel::resources::Scan;
 use motion_kernel::trace::Trace;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
@@ -28,10 +29,12 @@ pub struct Chunk {
     pub scan_blocks: Py<PyArray2<u8>>,
     /// Name, columns, rows and whether analog values follow, of each data block.
     pub scan_layout: Vec<(String, usize, usize, bool)>,
+    /// What stands in the controller behind the last sample, for recordings (`recording::ColumnsView::standing`).
+    pub standing: Vec<u32>,
 }
 
 impl Chunk {
-    pub fn new(py: Python<'_>, trace: Trace, stop: Stop) -> PyResult<Chunk> {
+    pub fn new(py: Python<'_>, trace: Trace, stop: Stop, standing: Vec<u32>) -> PyResult<Chunk> {
         let (samples, axes) = (trace.len(), trace.axes);
         let matrix = |column: Vec<f64>| column.into_pyarray(py).reshape([samples, axes]).map(Bound::unbind);
         let Scan { layout, values, blocks } = trace.scan;
@@ -61,8 +64,17 @@ impl Chunk {
             scan_names: layout.names.clone(),
             scan_blocks: blocks.into_pyarray(py).reshape::<_>([samples, bytes])?.unbind(),
             scan_layout: layout.blocks.iter().map(|(name, b)| (name.clone(), b.columns, b.rows, b.analog)).collect(),
+            standing,
         })
     }
+}
+
+/// The words of `recording::ColumnsView::standing`.
+pub fn standing(kernel: &motion_kernel::Mcu) -> Vec<u32> {
+    let spoolers = kernel.status().axes.into_iter().flat_map(|axis| [axis.memory - axis.lsm, axis.mcis]);
+    let lines = (0..TASKS).map(|task| kernel.task_status(task).csrcline);
+    let speed = kernel.cd(kernel.machine().gcode.speed_cd as usize).to_bits();
+    spoolers.chain(lines).chain([speed as u32, (speed >> 32) as u32]).collect()
 }
 
 #[pymethods]

@@ -13,7 +13,7 @@ use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::chunk::Chunk;
+use crate::chunk::{Chunk, standing};
 use crate::machine::{Machine, MachineError};
 use crate::program::Program;
 use crate::stream::Stream;
@@ -110,7 +110,7 @@ impl Mcu {
             let advanced = kernel.advance(samples, &mut trace);
             (trace, advanced.stop)
         });
-        Chunk::new(py, trace, stop)
+        Chunk::new(py, trace, stop, standing(kernel))
     }
     fn prepare_gcode(&mut self) {
         self.kernel.prepare_gcode();

@@ -85,6 +85,11 @@ impl Machine {
     fn sample_time_us(&self) -> f64 {
         f64::from(self.inner.controller.sample_ticks) * 64.0
     }
+    /// Memory of the spooler of an axis, bytes.
+    #[getter]
+    fn spool_memory_bytes(&self) -> u32 {
+        self.inner.controller.spool_memory_bytes
+    }
     #[getter]
     fn trovrst_s(&self) -> f64 {
         self.inner.gcode.trovrst_s

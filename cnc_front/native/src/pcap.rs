@@ -26,7 +26,7 @@ impl Mcu {
         py.detach(|| kernel.pass_to_interrupt(samples, recording))
     }
     fn take_recording(&mut self, py: Python<'_>) -> PyResult<Chunk> {
-        Chunk::new(py, std::mem::take(&mut self.recording), Stop::Budget)
+        Chunk::new(py, std::mem::take(&mut self.recording), Stop::Budget, Vec::new())
     }
     /// txbf2 of a system file.
     fn initialise(&mut self, machine: &Machine) {

@@ -75,6 +75,7 @@ impl Writer {
             entry: entry.as_slice()?,
             flags: flags.as_slice()?,
             deviation_mm: deviation_mm.as_slice()?,
+            standing: &chunk.standing,
         };
         let writer = self.inner.as_mut().ok_or_else(closed)?;
         let scan = chunk.scan.bind(py).readonly();
@@ -150,5 +151,6 @@ fn columns_dict<'py>(py: Python<'py>, c: Columns) -> PyResult<Bound<'py, PyDict>
     dict.set_item("entry", c.entry.into_pyarray(py))?;
     dict.set_item("flags", c.flags.into_pyarray(py))?;
     dict.set_item("deviation_mm", c.deviation_mm.into_pyarray(py))?;
+    dict.set_item("standing", c.standing.into_pyarray(py))?;
     Ok(dict)
 }

@@ -4,7 +4,8 @@
 //! packed by itself ([`crate::packed`]): per axis the f64 set points `dp`, per axis the load side `load`, per axis the
 //! encoder `rp` (as i64 multiples of its resolution, or f64 where that is 0), f64 effective override `factor`, nominal path
 //! velocity `v_plan`, u32 source `line`, motion command `entry`, `flags`, and the bits of the f32 `deviation_mm` of the
-//! load side from the programmed path.
+//! load side from the programmed path. Behind them, where it is known, u32 of the controller at the end of the chunk
+//! ([`ColumnsView::standing`]).
 
 use crate::Error;
 use crate::packed::{pack, unpack};
@@ -23,6 +24,7 @@ pub struct Columns {
     pub entry: Vec<u32>,
     pub flags: Vec<u32>,
     pub deviation_mm: Vec<f32>,
+    pub standing: Vec<u32>,
 }
 
 /// Borrowed columns, as they come from the controller.
@@ -39,9 +41,15 @@ pub struct ColumnsView<'a> {
     pub entry: &'a [u32],
     pub flags: &'a [u32],
     pub deviation_mm: &'a [f32],
+    /// What stood in the controller behind the last sample; empty where that is not known. Per axis: bytes used in its
+    /// spooler, motion commands in it; then the source line that each task executes, and the bits of the f64 spindle
+    /// speed, low half first.
+    pub standing: &'a [u32],
 }
 
 const HEAD: usize = 16;
+/// Tasks whose line stands in [`ColumnsView::standing`].
+const TASKS: usize = 4;
 /// More axes than the controller has are no recording of ours.
 const MAX_AXES: usize = 18;
 
@@ -77,6 +85,7 @@ impl<'a> ColumnsView<'a> {
             entry: &self.entry[from..to],
             flags: &self.flags[from..to],
             deviation_mm: &self.deviation_mm[from..to],
+            standing: if to == self.len() { self.standing } else { &[] },
         }
     }
     /// Appends the message to `out`. `resolution`: axis units per count of each encoder, as far as it is known.
@@ -108,6 +117,7 @@ impl<'a> ColumnsView<'a> {
         [self.line, self.entry, self.flags].into_iter().for_each(|column| pack(column, &mut words, out));
         let bits: Vec<u32> = self.deviation_mm.iter().map(|d| d.to_bits()).collect();
         pack(&bits, &mut words, out);
+        out.extend(self.standing.iter().flat_map(|word| word.to_le_bytes()));
     }
 
     fn axis_of(&self, matrix: &[f64], axis: usize, column: &mut Vec<f64>) {
@@ -142,6 +152,7 @@ impl Columns {
             entry: &self.entry,
             flags: &self.flags,
             deviation_mm: &self.deviation_mm,
+            standing: &self.standing,
         }
     }
     /// Becomes a copy of the view; memory is used again.
@@ -162,6 +173,7 @@ impl Columns {
             copy(to, from);
         }
         copy(&mut self.deviation_mm, view.deviation_mm);
+        copy(&mut self.standing, view.standing);
     }
     /// Reads a message back.
     ///
@@ -201,7 +213,11 @@ impl Columns {
         let mut whole = || unpack::<u32>(&mut rest, n, &mut words);
         let (line, entry, flags) = (whole()?, whole()?, whole()?);
         let deviation_mm = whole()?.into_iter().map(f32::from_bits).collect();
-        let columns = Columns { first_sample, axes, dp, load, rp, factor, v_plan, line, entry, flags, deviation_mm };
-        rest.is_empty().then_some(columns)
+        let (standing, cut) = rest.as_chunks::<4>();
+        let standing: Vec<u32> = standing.iter().map(|word| u32::from_le_bytes(*word)).collect();
+        let whole = standing.is_empty() || standing.len() == 2 * axes + TASKS + 2;
+        let columns =
+            Columns { first_sample, axes, dp, load, rp, factor, v_plan, line, entry, flags, deviation_mm, standing };
+        (whole && cut.is_empty()).then_some(columns)
     }
 }

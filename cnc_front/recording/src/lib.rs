@@ -2,7 +2,7 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | job and machine text, translated sequence, run arguments | attachments at the start: a file cut off later still has them |
+//! | job and machine text, translated sequence, modal states, run arguments | attachments at the start: a file cut off later still has them |
 //! | every sample, full rate | topic `/columns`, about 1,000 samples a message, packed ([`columns`]) |
 //! | a thinned channel for plots | topic `/state`, JSON, one message a sample |
 //! | alarms, outputs, what the program announced | topic `/events`, JSON |

@@ -56,7 +56,7 @@ struct Thread {
 }
 
 enum Order {
-    Samples(Columns),
+    Samples(Box<Columns>),
     /// First sample, and rows of the scanner.
     Scan(u64, Vec<f64>),
     Event(f64, String),
@@ -85,7 +85,7 @@ impl Writer {
         let used = self.spare.lock().ok().and_then(|mut spare| spare.pop());
         let mut columns = used.unwrap_or_default();
         columns.copy_from(view);
-        self.order(Order::Samples(columns))
+        self.order(Order::Samples(Box::new(columns)))
     }
 
     /// Writes rows of the scanner, a value for each of `Header::scan`, from that sample on.
@@ -137,7 +137,7 @@ fn carry_out(mut file: McapFile, orders: Receiver<Order>, spare: &Spare) -> Resu
             Order::Samples(columns) => {
                 file.write_samples(&columns.view())?;
                 if let Ok(mut spare) = spare.lock() {
-                    spare.push(columns);
+                    spare.push(*columns);
                 }
             }
             Order::Scan(first_sample, values) => file.write_scan(first_sample, &values)?,

@@ -36,6 +36,7 @@ fn samples(first_sample: u64, n: usize) -> Columns {
         entry: vec![7; n],
         flags: vec![1; n],
         deviation_mm: (0..n).map(|k| if k == 1234 { 0.5 } else { 0.001 }).collect(),
+        standing: (100..110).collect(),
     }
 }
 
@@ -72,6 +73,9 @@ fn everything_comes_back() {
     assert_eq!(columns[1].dp, all.dp[2000..4000]);
     assert_eq!(columns[2].first_sample, 2000);
     assert_eq!(columns[1].deviation_mm, all.deviation_mm[1000..2000]);
+    // it belongs to the end of what was written at once
+    assert_eq!(columns.iter().map(|c| c.standing.len()).collect::<Vec<_>>(), [0, 0, 10, 10]);
+    assert_eq!(columns[2].standing, all.standing);
     assert!(matches!(&items[0], Item::Attachment(a) if *a == header().attachments[0]));
     assert!(items.iter().any(|i| matches!(i, Item::Metadata(name, map) if name == "run" && *map == header().metadata)));
     assert!(items.iter().any(|i| matches!(i, Item::Event(text) if text.contains("axst"))));
