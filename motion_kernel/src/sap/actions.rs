@@ -45,8 +45,7 @@ impl Processor {
                 return self.application_variable(instr, mcu);
             }
             ReadBuffer(..) | WriteBuffer(..) => return self.common_buffer(instr, mcu),
-            Do(command, list) => return self.command(command, list, program, mcu),
-            AwaitEnd(spooler, list) => return self.await_end(spooler, list, program, mcu),
+            Do(..) | AwaitEnd(..) => return self.commanded(instr, program, mcu),
             Task(command, number) => return self.task(command, usize::from(number), mcu),
             Azo(set) => mcu.azo(i32::from(set)),
             Stop => return Err(Pause::Stop),
@@ -151,20 +150,13 @@ impl Processor {
     }
 
     /// Waits until the profiles of the axes have ended (6.5), behind ssms also their spoolers.
-    fn await_end(&mut self, spooler: bool, list: u32, program: &Program, mcu: &mut Mcu) -> Result<(), Pause> {
-        let axes = self.axes(list, program, mcu)?;
+    pub(super) fn await_end(&mut self, spooler: bool, axes: AxisSet, mcu: &Mcu) -> Result<(), Pause> {
         let ended = |a: usize| {
             let axis = &mcu.axes[a];
             let drained = !spooler || (axis.is_drained() && axis.spooler.state == SpoolState::Direct);
             drained && axis.pending == 0 && axis.doing == Doing::Nothing && mcu.axst(a).has(Axst::pe)
         };
         if axes.iter().all(ended) { Ok(()) } else { self.wait_here() }
-    }
-
-    /// The axes of a list.
-    pub(super) fn axes(&self, list: u32, program: &Program, mcu: &Mcu) -> Result<AxisSet, Pause> {
-        let list = &program.lists[list as usize];
-        list.iter().try_fold(AxisSet::EMPTY, |set, o| Ok(set.with(self.axis(o.axis, mcu)?)))
     }
 
     fn task(&mut self, command: TaskCommand, number: usize, mcu: &mut Mcu) -> Result<(), Pause> {

@@ -1,5 +1,6 @@
 //! The commands of rw_SymPas for axes (6.6), each by the function that PCAP has for it (chapter 4.4).
 
+use super::code::Instr;
 use super::processor::{Pause, Processor};
 use super::program::{Operand, Program};
 use super::tables::{Command, Form};
@@ -13,21 +14,38 @@ use crate::motion::MotionCommand;
 use crate::registers::ModeReg;
 
 /// Axes and values of a command.
-struct Arguments {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Arguments {
     list: AxisList,
     values: [f64; MAX_AXES],
 }
 
 impl Processor {
-    pub(super) fn command(
-        &mut self,
-        command: Command,
-        list: u32,
-        program: &Program,
-        mcu: &mut Mcu,
-    ) -> Result<(), Pause> {
-        let arguments = self.arguments(&program.lists[list as usize], mcu)?;
-        let Arguments { list, values } = &arguments;
+    /// A command, or the wait for its end, with its arguments as they are when it is called: it waits for the axes that
+    /// take part (6.5), whatever handlers make of AXIS variables meanwhile.
+    pub(super) fn commanded(&mut self, instr: Instr, program: &Program, mcu: &mut Mcu) -> Result<(), Pause> {
+        let (Instr::Do(_, list) | Instr::AwaitEnd(_, list)) = instr else {
+            return Err(Pause::Error(crate::tasks::runtime_error::BAD_CODE));
+        };
+        let arguments = match self.given {
+            Some(given) => given,
+            None => self.arguments(&program.lists[list as usize], mcu)?,
+        };
+        self.given = Some(arguments);
+        let behind = self.pc;
+        let result = match instr {
+            Instr::Do(command, _) => self.command(command, &arguments, mcu),
+            Instr::AwaitEnd(spooler, _) => self.await_end(spooler, arguments.list.set(), mcu),
+            _ => Ok(()),
+        };
+        if self.pc == behind {
+            self.given = None; // it does not come again
+        }
+        result
+    }
+
+    fn command(&mut self, command: Command, arguments: &Arguments, mcu: &mut Mcu) -> Result<(), Pause> {
+        let Arguments { list, values } = arguments;
         let (axes, values) = (list.set(), &values[..list.len()]);
         match command.form() {
             Form::Axes | Form::OneAxis => for_axes(command, list, axes, mcu),

@@ -1,6 +1,7 @@
 //! The registers of a task that executes a rw_SymPas program, and its instructions on values and control flow.
 
 use super::code::{Instr, Slot};
+use super::commands::Arguments;
 use super::program::{Program, integer};
 use super::tables::Event;
 use crate::mcu::Mcu;
@@ -76,6 +77,9 @@ pub(crate) struct Processor {
     /// Something may have to be done before the next statement.
     pub(super) attention: bool,
     pub stepping: Stepping,
+    /// Arguments of the command that waits; of the one that an event handler has interrupted.
+    pub(super) given: Option<Arguments>,
+    interrupted: Option<Arguments>,
     /// Samples left of wt.
     wait: Option<u64>,
     /// An Integer operation has wrapped (errata Q3).
@@ -99,6 +103,8 @@ impl Processor {
             served: 0,
             attention: false,
             stepping: Stepping::default(),
+            given: None,
+            interrupted: None,
             wait: None,
             overflow: false,
             spooled: crate::axes::AxisSet::EMPTY,
@@ -122,6 +128,7 @@ impl Processor {
         self.frames.clear();
         (self.enabled, self.served, self.wait, self.overflow) = (0, 0, None, false);
         self.stepping = Stepping { breaks: std::mem::take(&mut self.stepping.breaks), ..Stepping::default() };
+        (self.given, self.interrupted) = (None, None);
         self.spooled = crate::axes::AxisSet::EMPTY;
     }
 
@@ -255,7 +262,10 @@ impl Processor {
             return Err(Pause::End);
         };
         (self.pc, self.base, self.routine) = (frame.pc, frame.base, frame.routine);
-        self.attention |= frame.handler; // another event may be waiting
+        if frame.handler {
+            self.given = self.interrupted.take();
+            self.attention = true; // another event may be waiting
+        }
         Ok(())
     }
 
@@ -320,6 +330,7 @@ impl Processor {
             let frame = usize::from(self.program.routines[usize::from(self.routine)].frame);
             let program = self.program.clone();
             self.call(&program, handler, self.base + frame, true)?;
+            self.interrupted = self.given.take(); // handlers do not interrupt each other
         }
         Ok(())
     }
