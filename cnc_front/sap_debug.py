@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from cnc_front._native import motion_kernel as native_kernel
-from cnc_front.jobs import MachineFile, shown
+from cnc_front.jobs import MachineFile, StimulusFile, shown
 from cnc_front.sap_places import joined
-from cnc_front.sap_run import SapRun, Task
+from cnc_front.sap_run import SapOptions, SapRun, Task
 from motion_kernel.debug import TaskEye
 
+#: Common variables.
+COMMON = re.compile(r"(CI|CD)(\d{1,3})")
 #: Lines of output that are kept.
 OUTPUT_LINES = 500
 #: State of a task by the bits of CNCTS.running (4.3.2.10), most telling first.
@@ -97,15 +100,32 @@ class DebugSession:
         return max((first for _, first in self.views[number].files if first < place), default=0)
 
     def assign(self, number: int, text: str) -> None:
-        """Sets a variable: `name := value` or `name = value`. ValueError says what is wrong."""
-        name, _, value = text.replace(":=", "=").partition("=")
-        self.views[number].assign(name.strip(), value_of(value.strip()))
+        """Sets a variable, or a common one (CI5, CD7): `name := value` or `name = value`. ValueError if it cannot."""
+        name, _, given = text.replace(":=", "=").partition("=")
+        name, value = name.strip(), value_of(given.strip())
+        common = COMMON.fullmatch(name)
+        if common is None or name in self.views[number].variables:
+            self.views[number].assign(name, value)
+        elif common[1] == "CD":
+            self.mcu.wrcd(int(common[2]), float(value))
+        elif isinstance(value, float) or not -(2**31) <= value < 2**31:
+            raise ValueError(f"'{name}' does not take that value")
+        else:
+            self.mcu.wrci(int(common[2]), int(value))
 
     def go(self, number: int) -> None:
         """Lets a task run on to its next breakpoint, or starts it anew where nothing is left to continue."""
         self.mcu.contcnct(number)
         if not self.views[number].status.running & 1:
             self.mcu.startcnct(number)
+
+    def go_all(self) -> None:
+        """Lets all tasks run on that have something to continue; where none has, all start anew."""
+        for number in self.views:
+            self.mcu.contcnct(number)
+        if not any(view.status.running & 1 for view in self.views.values()):
+            for number in self.views:
+                self.mcu.startcnct(number)
 
     def pause(self, number: int) -> None:
         """Stops a task before its next line; one that is not running stays as it is."""
@@ -157,6 +177,6 @@ def value_of(text: str) -> bool | int | float:
         raise ValueError(f"'{text}' is no number, TRUE or FALSE") from None
 
 
-def debug_session(machine: MachineFile, tasks: list[Task]) -> DebugSession:
-    """Loads the tasks; every one waits before its first line."""
-    return DebugSession(SapRun(machine, tasks))
+def debug_session(machine: MachineFile, tasks: list[Task], stimulus: StimulusFile | None = None) -> DebugSession:
+    """Loads the tasks; every one waits before its first line. `stimulus`: what the world outside does."""
+    return DebugSession(SapRun(machine, tasks, SapOptions(stimulus=stimulus)))

@@ -26,20 +26,20 @@ def source(session: DebugSession, number: int, look: Look, place: tuple[int, int
         mark, arrow = "*" if n in breaks else " ", ">" if n == current else " "
         if n - 1 in titles:
             begun = n - 1
-        name = f"{titles[begun]}:" if begun else ""
-        out.append(f"{mark}{arrow}{name}{n - begun:>{5 - min(5, len(name))}}  {lines[n - 1]}\n", style=style)
+        line = f"{titles[begun]}:{n - begun:<4}" if begun else f"{n:>5} "
+        out.append(f"{mark}{arrow}{line} {lines[n - 1]}\n", style=style)
     return out
 
 
 def variables(session: DebugSession, number: int, look: Look) -> Text:
-    """Routines being executed; variables of the last of them, those of its callers, those of the program."""
+    """Routines being executed; variables of the last of them, those of its callers, those of the program, axes last."""
     view, axes = session.views[number], session.run.machine.machine.axis_names
     calls = view.calls
     out = Text(
         f"{' > '.join(name or 'main' for name in calls) or '-'}\n", style=look.dim, no_wrap=True, overflow="ellipsis"
     )
     last, innermost = len(calls) - 1, len(calls) - 1
-    for name, call, value in view.rows:
+    for name, call, value in sorted(view.rows, key=lambda row: row[1] == 0 and row[0] in axes):
         if call != last:
             out.append(f"{calls[call] or 'main'}\n", style=look.dim)
             last = call

@@ -109,8 +109,7 @@ class Debugger(App[None]):
         if self.session.held:
             self.session.resume()
         else:
-            for task in self.session.tasks:
-                self.session.go(task.number)
+            self.session.go_all()
         self._say("")
 
     def action_step(self, what: Literal["into", "over", "out", "on"]) -> None:
@@ -145,8 +144,8 @@ class Debugger(App[None]):
         if text:
             try:
                 self.session.assign(self.number, text)
-            except ValueError as error:
-                self.message = str(error)
+            except ValueError:
+                self.message = f"{self.words('debug_not_set')}: {text}"
         self.draw()
 
     def action_current(self) -> None:
@@ -201,7 +200,7 @@ class Debugger(App[None]):
         word = f"{panes.SYMBOLS[state.state]} {words(f'task_{state.state}')} {state.error}"
         what = f"{words('cnc_task')} {state.number}: {word}{hold}"
         head = f" [SIM]  {state.name}  {what}  {session.run.machine_time_s:.3f} s"
-        self._put("head", Text(f"{head}  {self.message}", style=look.hold if session.held else look.bar, no_wrap=True))
+        self._put("head", Text(head, style=look.hold if session.held else look.bar, no_wrap=True))
         if self.side_by_side:
             for task in session.tasks:
                 self._put(f"task{task.number}", self._pane(task.number))
@@ -216,7 +215,8 @@ class Debugger(App[None]):
             self._put("variables", panes.variables(session, self.number, look))
         self._put("tasks", panes.tasks(session, self.number, look, words))
         self._put("output", panes.output(session, look, self.query_one("#output").size.height))
-        self._put("keys", Text(words("debug_keys"), style=look.bar, no_wrap=True))
+        keys = f" {self.message}" if self.message else words("debug_keys")
+        self._put("keys", Text(keys, style=look.bar, no_wrap=True))
 
     def _put(self, name: str, text: Text) -> None:
         self.query_one(f"#{name}", Static).update(text)

@@ -113,14 +113,15 @@ def is_sap(options: argparse.Namespace) -> bool:
 
 def debug(options: argparse.Namespace, look: Look, words: Words) -> int:
     """Steps through a rw_SymPas job. Raises CompileError with every finding."""
-    from cnc_front.jobs import load_machine
+    from cnc_front.jobs import load_machine, load_stimulus
     from cnc_front.sap_command import load_tasks
     from cnc_front.sap_debug import debug_session
     from tui.debugger import Debugger
 
     machine = load_machine(options.machine, options.job)
     tasks = load_tasks(options, machine)
-    Debugger(debug_session(machine, tasks), look, words).run()
+    stimulus = load_stimulus(None, options.job, machine)
+    Debugger(debug_session(machine, tasks, stimulus), look, words).run()
     return int(Exit.DONE)
 
 

@@ -11,11 +11,15 @@ TEXTS: dict[str, tuple[str, str]] = {
     "task_rests": ("at rest", "in Ruhe"),
     "task_error": ("RUNTIME ERROR", "LAUFZEITFEHLER"),
     "debug_hold": ("HOLD", "HALT"),
-    "debug_held": ("r goes on", "r fährt fort"),
+    "debug_held": ("held: axes and tasks stand; r goes on", "Halt: Achsen und Tasks stehen; r fährt fort"),
     "debug_resume_first": ("held: r first", "Halt: erst r"),
     "debug_line": ("line", "Zeile"),
     "debug_no_statement": ("no statement follows here", "hier folgt keine Anweisung"),
-    "debug_assign": ("Set a variable: name = value", "Variable setzen: Name = Wert"),
+    "debug_assign": ("Set a variable (or CI5, CD7): name = value", "Variable setzen (auch CI5, CD7): Name = Wert"),
+    "debug_not_set": (
+        "not set, the name is unknown here or does not take the value",
+        "nicht gesetzt, Name hier unbekannt oder Wert passt nicht",
+    ),
     "debug_assign_keys": ("Enter: set   Esc: leave, hold", "Enter: setzen   Esc: verlassen, Halt"),
     "events": ("events", "Ereignisse"),
     "debug_keys": (

@@ -11,7 +11,7 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import Static
 
-from cnc_front.jobs import load_machine
+from cnc_front.jobs import load_machine, load_stimulus
 from cnc_front.sap_command import load_tasks
 from cnc_front.sap_debug import debug_session
 from tests.sap.jobs import LOOPS
@@ -31,7 +31,8 @@ def played(tmp_path: Path, play: Play, *, text: str = LOOPS, language: str = "en
     jobs = {"job": str(tmp_path / "loops.src"), "task": [f"2={tmp_path / 'other.src'}"]}
     options = argparse.Namespace(**jobs, machine=None, language=None, lang=language)
     machine = load_machine(None, options.job)
-    session = debug_session(machine, load_tasks(options, machine))
+    stimulus = load_stimulus(None, options.job, machine)
+    session = debug_session(machine, load_tasks(options, machine), stimulus)
     app = Debugger(session, make_look(theme, "ascii"), Words(language))
 
     async def go() -> None:
@@ -93,7 +94,7 @@ def test_a_breakpoint_on_a_line_without_statement_stands_at_the_next(tmp_path: P
         await pilot.press(*["up"] * 6, "b")
         assert app.session.views[0].breaks == {6, 9} and app.cursor == 6
         await pilot.press(*["down"] * 20, "b")
-        assert "no statement follows" in shown(app, "head") and app.session.views[0].breaks == {6, 9}
+        assert "no statement follows" in shown(app, "keys") and app.session.views[0].breaks == {6, 9}
 
     played(tmp_path, play)
 
@@ -103,7 +104,7 @@ def test_a_variable_is_set(tmp_path: Path) -> None:
         await pilot.press("t", "t", "equals_sign", *"sum:=$1E", "enter")
         assert "sum = 30" in shown(app, "variables")
         await pilot.press("equals_sign", *"sum=1.5", "enter")
-        assert "does not take" in shown(app, "head") and "sum = 30" in shown(app, "variables")
+        assert "does not take the value: sum=1.5" in shown(app, "keys") and "sum = 30" in shown(app, "variables")
         await pilot.press("equals_sign", *"sum=9", "escape")
         await pilot.pause(0.2)
         assert "HOLD" in shown(app, "head") and "sum = 30" in shown(app, "variables")
@@ -112,6 +113,35 @@ def test_a_variable_is_set(tmp_path: Path) -> None:
         assert "0: mean 15.0" in shown(app, "output")
 
     played(tmp_path, play)
+
+
+WAITS = "begin\n  while CI7 = 0 do wt(100);\n  writeln('seen ', CI7, ' ', CD8);\n  while CI9 = 0 do wt(100);\nend.\n"
+
+
+def test_common_variables_and_the_stimulus_beside_the_job(tmp_path: Path) -> None:
+    (tmp_path / "loops.stim").write_text("when ci 7 = 3: input 1 on\n")
+
+    async def play(pilot: Pilot[None], app: Debugger) -> None:
+        await pilot.press("r", "equals_sign", *"CD8=2", "enter", "equals_sign", *"CI7:=3", "enter")
+        await pilot.pause(0.5)
+        assert "0: seen 3 2.0" in shown(app, "output")
+        assert app.session.mcu.rddigi(0) & 1, "the world outside acts"
+        await pilot.press("equals_sign", *"CI7=1.5", "enter")
+        assert "not set" in shown(app, "keys")
+
+    played(tmp_path, play, text=WAITS)
+
+
+def test_r_does_not_begin_anew_what_has_ended(tmp_path: Path) -> None:
+    async def play(pilot: Pilot[None], app: Debugger) -> None:
+        await pilot.press("r")
+        await pilot.pause(1.0)
+        assert "0: once" in shown(app, "output")
+        await pilot.press("r")
+        await pilot.pause(0.5)
+        assert app.session.output == ["0: once"], "the other task goes on"
+
+    played(tmp_path, play, text="begin\n  writeln('once');\nend.\n")
 
 
 INCLUDING = "{$I part.inc}\nvar depth : integer;\nbegin\n  depth := 2;\n  Outer(depth);\nend.\n"
@@ -167,7 +197,7 @@ def test_tasks_side_by_side(tmp_path: Path) -> None:
         await pilot.pause(0.5)
         assert app.session.mcu.rdci(5) == seen and "HOLD" in shown(app, "head")
         await pilot.press("t")
-        assert app.session.mcu.rdci(5) == seen and "r first" in shown(app, "head"), "a step does not end a hold"
+        assert app.session.mcu.rdci(5) == seen and "r first" in shown(app, "keys"), "a step does not end a hold"
         await pilot.press("r")
         await pilot.pause(0.5)
         assert app.session.mcu.rdci(5) > seen and "HOLD" not in shown(app, "head")
