@@ -95,7 +95,8 @@ def joined(tasks: Sequence[Numbered]) -> JobSource:
         files, end = task.program.files, _length(task)
         ends = [offset for _, offset in files[1:]] + [end]
         for n, ((path, offset), behind) in enumerate(zip(files, ends, strict=True)):
-            text = task.source.text() if n == 0 else _include(path)
+            # an autocode file may come from anywhere: what it names is not read
+            text = task.source.text() if n == 0 else _include(path) if task.source.language == "sympas" else ""
             lines = text.splitlines()[: behind - offset]
             rows += lines + [""] * (behind - offset - len(lines))
     return JobSource(first.path, "\n".join(rows).encode(), first.language)

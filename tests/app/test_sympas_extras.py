@@ -105,6 +105,16 @@ def test_an_error_in_an_include_names_it(run: Run, tmp_path: Path, capsys: pytes
     assert f"Zeile 3 ({include})" in capsys.readouterr().out
 
 
+def test_an_autocode_file_brings_no_texts_along(run: Run, tmp_path: Path) -> None:
+    job = RECTANGLE.replace("program P;", "{$I secret.inc}").replace("X := 40.0, Y := 10.0", "X := Far, Y := 10.0")
+    code, _ = run(job, "--report", str(tmp_path / "r"), secret="const Far = 40.0;\n")
+    assert code == 0
+    target = str(tmp_path / "job.cnc")
+    assert run_command_line(["translate", str(tmp_path / "job.src"), "--output", target]) == 0
+    assert run_command_line(["run", target, "--report", str(tmp_path / "r"), "--record", str(tmp_path / "r.mcap")]) == 0
+    assert b"Far = 40.0" not in (tmp_path / "r.mcap").read_bytes()
+
+
 def test_samples_of_a_job(run: Run, tmp_path: Path) -> None:
     import pyarrow.parquet as parquet
 
