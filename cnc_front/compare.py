@@ -139,7 +139,7 @@ def compared(before: Side, after: Side, language: str) -> dict[str, Any]:
     ]
     figures += _per_axis(before, after)
     words = [side.result["verdict"]["word"] for side in (before, after)]
-    new, cured = _findings(before, after, language)
+    new, cured = changed_findings(before.result, after.result, language)
     deviation = [side.result["deviation"]["actual"]["max_mm"] for side in (before, after)]
     return {
         "schema": SCHEMA,
@@ -182,9 +182,9 @@ def _differs(old: dict[str, Any], new: dict[str, Any]) -> list[str]:
     return [name for name, keys in places.items() if _at(old, keys) != _at(new, keys)]
 
 
-def _findings(before: Side, after: Side, language: str) -> tuple[list[str], list[str]]:
+def changed_findings(before: Row, after: Row, language: str) -> tuple[list[str], list[str]]:
     """Named findings, alarms and reasons of the verdict that only the second run has, and only the first."""
-    old, new = (_told(side.result, language) for side in (before, after))
+    old, new = (_told(result, language) for result in (before, after))
     return [new[key] for key in new if key not in old], [old[key] for key in old if key not in new]
 
 

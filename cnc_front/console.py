@@ -9,6 +9,7 @@ from typing import Any
 from cnc_front.engine import Engine, Job, Snapshot, State, wait_for
 from cnc_front.errors import UsageError
 from cnc_front.messages import text
+from cnc_front.outcome import Outcome
 from cnc_front.outputs import is_recording
 
 #: Revisions of recordings begin here, so that none is one of the emulator.
@@ -50,6 +51,10 @@ class Console:
             self._show(self._machine)
         else:
             self._shown.reset()
+
+    def outcome(self) -> Outcome | None:
+        """The run that ended last on the emulator, also while a recording is shown."""
+        return self._machine.outcome()
 
     def _show(self, engine: Engine) -> None:
         before, self._shown = self._shown, engine

@@ -95,6 +95,11 @@ def finding_text(entry: dict[str, Any], language: str) -> str:
     return text(f"finding_{entry['kind']}", language, **values) + f" ({side})"
 
 
+def remedy_text(entry: dict[str, Any], language: str) -> str:
+    """What to do about a finding."""
+    return text(f"remedy_{entry['kind']}", language, axes=" ".join(entry["axes"]), line=entry["line"])
+
+
 def _circle(entry: dict[str, Any], lines: dict[int, int], names: Sequence[str]) -> dict[str, Any]:
     first, last = entry["blocks"]
     a, b = entry["axes"]

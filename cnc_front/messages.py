@@ -303,6 +303,51 @@ TEXTS: dict[str, tuple[str, str]] = {
         "deviation of {max_um:.2f} um without a cause that the data name, at line {line}",
         "Abweichung von {max_um:.2f} um ohne benennbare Ursache, in Zeile {line}",
     ),
+    "remedy_block_shifted": (
+        "the block alone is off: compare its coordinates and offsets (G54, G92, tool length) with the drawing",
+        "nur dieser Satz ist versetzt: Koordinaten und Verschiebungen (G54, G92, Werkzeuglänge) mit der Zeichnung "
+        "vergleichen",
+    ),
+    "remedy_centre_off": (
+        "compare I, J, K with the drawing; mind whether they count from the start of the arc (G91.1) or absolutely",
+        "I, J, K mit der Zeichnung vergleichen; zählen sie vom Anfang des Bogens (G91.1) oder absolut?",
+    ),
+    "remedy_radius_off": (
+        "compare R or I, J, K with the drawing; with feed-forward off, a lower feed or a higher kp lets the radius "
+        "shrink less",
+        "R oder I, J, K mit der Zeichnung vergleichen; ohne Vorsteuerung schrumpft der Radius weniger mit kleinerem "
+        "Vorschub oder größerem kp",
+    ),
+    "remedy_axis_lags": (
+        "raise kfcv of axis {axes} (or lower that of the others) until all axes lag alike; check its drive",
+        "kfcv der Achse {axes} erhöhen (oder bei den anderen senken), bis alle gleich nacheilen; Antrieb prüfen",
+    ),
+    "remedy_axes_swapped": (
+        "axes {axes}: check the order of axes in the machine file and the cables of drives and encoders",
+        "Achsen {axes}: Reihenfolge in der Maschinendatei und Kabel von Antrieben und Gebern prüfen",
+    ),
+    "remedy_axis_reversed": (
+        "axis {axes}: check the sign of counts_per_unit, the sense of drive and encoder, and mirroring in the program",
+        "Achse {axes}: Vorzeichen von counts_per_unit, Drehsinn von Antrieb und Geber, Spiegelung im Programm prüfen",
+    ),
+    "remedy_reversal_error": (
+        "axis {axes}: take the play out of the drive train, or enter it as backlash in the machine file",
+        "Achse {axes}: Spiel im Antriebsstrang beseitigen oder als Lose (backlash) in die Maschinendatei eintragen",
+    ),
+    "remedy_effradius": (
+        "axis {axes}: enter the real effradius in the machine file, or the program's radius",
+        "Achse {axes}: den wahren effradius in die Maschinendatei eintragen, oder den Radius des Programms",
+    ),
+    "remedy_axis_scale": (
+        "axis {axes}: correct counts_per_unit (pitch, gear) in the machine file; check the unit G20/G21",
+        "Achse {axes}: counts_per_unit (Steigung, Getriebe) in der Maschinendatei berichtigen; Einheit G20/G21 prüfen",
+    ),
+    "remedy_deviation": (
+        "lower the feed at line {line} and run again: if it shrinks, it is dynamics (gains, acceleration, mdvel), if "
+        "not, geometry; cnc-front tune varies gains",
+        "Vorschub in Zeile {line} senken und erneut fahren: wird sie kleiner, ist es Dynamik (Regler, Beschleunigung, "
+        "mdvel), sonst Geometrie; cnc-front tune variiert die Regler",
+    ),
     "named_findings": ("{count} findings", "{count} Befunde"),
     "log_event": ("{t_s:10.3f} s  line {line}: {kind} {text}", "{t_s:10.3f} s  Zeile {line}: {kind} {text}"),
 }

@@ -65,6 +65,18 @@ class Archive:
         self.runs = ()
         self._do(find)
 
+    def find_recording(self, job: str | None, then: Callable[[str], None]) -> None:
+        """The newest recording that is still there, of a job or of any; `then` gets its path ("": none), in another
+        thread."""
+
+        def find(history: History) -> None:
+            rows = history.runs(Filter(job=job, limit=ROWS))
+            then(next((row["recording"] for row in rows if row["recording"] and Path(row["recording"]).is_file()), ""))
+
+        if self._history is None or self.trouble:
+            then("")
+        self._do(find)
+
     def _read(self, history: History) -> None:
         self.jobs = tuple(history.recent_jobs(ROWS))
         self.alarms = tuple(history.alarms(Filter(limit=ROWS)))

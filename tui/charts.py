@@ -55,6 +55,16 @@ def columns(
     return rows
 
 
+def pointer(look: Look, width: int, mark: tuple[float, str]) -> Row:
+    """A line below a chart of that width that points at a place (a share of its axis) and names it."""
+    share, name = mark
+    column = LEFT + 1 + min(int(share * (width - LEFT - 1)), width - LEFT - 2)
+    row = Row(look.dim)
+    if column + 2 + len(name) <= width:
+        return row.at(column, "^", look.strong).add(f" {name}", look.strong)
+    return row.until(column + 1, f"{name} ^", look.strong)
+
+
 def _brief(value: float) -> str:
     """Three digits, without an exponent."""
     return f"{value:.0f}" if value >= 100 else f"{value:.3g}"

@@ -103,6 +103,7 @@ KEYS: tuple[Key, ...] = (
     Key("acknowledge", "delete", "Del", "alarms: acknowledge", "Störungen: quittieren", page="alarms"),
     Key("export", "e", "e", "report: write the HTML folder", "Bericht: HTML-Ordner schreiben", page="report"),
     Key("compare", "c", "c", "report: compare with before", "Bericht: Vergleich mit früher", page="report"),
+    Key("replay", "P", "P", "report: replay of the last recording", "Bericht: Replay der Aufzeichnung", page="report"),
     Key("next_message", "n", "n", "next message", "nächste Meldung"),
     Key("show('help')", "f1,1,question_mark", "F1 1 ?", "this page", "diese Seite"),
     Key("show('jobs')", "f2,2", "F2 2", "jobs: open and check", "Aufträge: öffnen, prüfen"),

@@ -264,7 +264,7 @@ class Plain:
         from tui.export import export
 
         outcome = self._engine.outcome()
-        self._print(self._words("report_none") if outcome is None else export(outcome, text, self._words))
+        self._print(self._words("report_none") if outcome is None else export(outcome, text, self._words)[0])
 
     def _do_load(self, text: str) -> None:
         if self._operation.is_underway:

@@ -193,7 +193,8 @@ TEXTS: dict[str, tuple[str, str]] = {
     "alarms_count": ("alarms", "Störungen"),
     "report_title": ("REPORT", "BERICHT"),
     "report_none": ("No run has ended yet; r starts the job.", "Noch kein Lauf zu Ende; r startet den Auftrag."),
-    "report_keys": ("Enter shows block  e export  c compare", "Enter zeigt Satz  e Export  c Vergleich"),
+    "report_keys_short": ("e export  c compare  P replay", "e Export  c Vergleich  P Replay"),
+    "report_keys": ("Enter block  e export  c compare  P replay", "Enter Satz  e Export  c Vergleich  P Replay"),
     "worst_head": (
         "WORST      max um   RMS um  of limit  block",
         "GRÖSSTE    max um   RMS um  d. Grenze Satz",
@@ -215,6 +216,23 @@ TEXTS: dict[str, tuple[str, str]] = {
     "compare_gone": ("no longer among them", "nicht mehr darunter"),
     "export_ask": ("Folder for the report (Enter: {folder}):", "Ordner für den Bericht (Enter: {folder}):"),
     "exporting": ("writing {folder} ...", "schreibe {folder} ..."),
+    "exported_here": (
+        "EXPORTED to {page}; see it with: {opener} '{page}'",
+        "GESCHRIEBEN nach {page}; ansehen mit: {opener} '{page}'",
+    ),
+    "exported_far": (
+        "EXPORTED to {folder}; over there: scp -r {host}:'{folder}' .  and open report.html in a browser",
+        "GESCHRIEBEN nach {folder}; drüben: scp -r {host}:'{folder}' .  und report.html im Browser öffnen",
+    ),
+    "findings_head": ("FINDINGS with cause and remedy", "BEFUNDE mit Ursache und Abhilfe"),
+    "plot_following": ("FOLLOWING ERROR {axis} over time, {unit}", "SCHLEPPFEHLER {axis} über der Zeit, {unit}"),
+    "compare_findings_new": ("NEW finding", "NEUER Befund"),
+    "compare_findings_cured": ("cured", "behoben"),
+    "compare_findings_same": ("same findings", "dieselben Befunde"),
+    "replay_found_none": (
+        "No recording in the history: cnc-front run --record F.mcap writes one.",
+        "Keine Aufzeichnung im Verlauf: cnc-front run --record F.mcap schreibt eine.",
+    ),
     "exported": ("report: {folder}/report.html", "Bericht: {folder}/report.html"),
     "service_title": ("SERVICE", "SERVICE"),
     "samples": ("samples", "Abtastungen"),

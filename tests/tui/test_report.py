@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from cnc_front.deliver import Plotting
 from cnc_front.engine import State
+from cnc_front.evidence import finding_text, remedy_text
 from cnc_front.history import Filter, History
-from tests.tui.ended import ended
+from cnc_front.jobs import CompileOptions, JobSource, compile_job, load_machine
+from cnc_front.messages import TEXTS
+from cnc_front.outcome import Outcome, outcome_of
+from cnc_front.run import RunOptions, dry_run
+from tests.app.conftest import ROOT
+from tests.tui.ended import PROGRAM, ended
 from tests.tui.fake import FakeEngine
 from tests.tui.stage import NARROW, WIDE, Stage, play, same_frame
 from tui.archive import Archive
-from tui.charts import columns, histogram, reduced
+from tui.charts import columns, histogram, pointer, reduced
+from tui.findings import place_of
 from tui.look import make_look
 
+OPTIONS = CompileOptions()
 SIZES = {"wide": WIDE, "narrow": NARROW}
 
 
@@ -61,14 +72,115 @@ def test_a_chosen_block_is_shown_on_the_run_page() -> None:
     play(script, done())
 
 
+#: An arc that gets smaller without feed-forward.
+LAGGING = (ROOT / "examples/machines/mill3.toml").read_text().replace("kfcv = 0.0131068", "kfcv = 0.0")
+
+
+@cache
+def lagging() -> Outcome:
+    """A run with named findings."""
+    from cnc_front._native import motion_kernel
+
+    machine = load_machine(None)
+    parsed = motion_kernel.Machine.parse(LAGGING.encode(), "lagging.toml")
+    job = compile_job(JobSource("parts/contour.nc", PROGRAM, "din66025"), replace(machine, machine=parsed), OPTIONS)
+    plotting = Plotting(0.05)
+    return outcome_of(dry_run(job, RunOptions(), None, plotting), plotting, 1)
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+@pytest.mark.parametrize("size", SIZES)
+def test_findings_with_cause_and_remedy_and_a_mark_in_the_plot(size: str, language: str) -> None:
+    outcome = lagging()
+    findings = outcome.run["findings"]
+    assert findings
+    engine = done()
+    engine.ended = outcome
+
+    async def script(stage: Stage) -> None:
+        await stage.load()
+        stage.engine.show(state=State.DONE)
+        await stage.press("7")
+        text = await stage.frame()
+        same_frame(f"report-findings-{size}-{language}", text)
+        flat = " ".join(text.split())
+        assert finding_text(findings[0], language)[:40] in flat
+        assert remedy_text(findings[0], language)[:40] in flat
+        await stage.press("enter")
+        assert stage.app.page.name == "run" and stage.app.program.chosen == findings[0]["line"]
+        await stage.press("7", *["down"] * len(findings), "enter")
+        assert stage.app.program.chosen == outcome.worst[0].line
+
+    play(script, engine, size=SIZES[size], language=language)
+
+
+def test_every_kind_of_finding_has_a_remedy_in_both_languages() -> None:
+    kinds = [id.removeprefix("finding_") for id in TEXTS if id.startswith("finding_")]
+    assert len(kinds) >= 10
+    for kind in kinds:
+        english, german = (remedy_text({"kind": kind, "axes": ["X"], "line": 3}, lang) for lang in ("en", "de"))
+        assert english and german and english != german
+
+
+def test_the_pointer_stands_at_the_middle_of_the_block() -> None:
+    outcome = ended()
+    share = place_of(outcome, 4)  # the arc: behind 11.2 mm of rapid and 30.4 mm of line, of 156.6 mm
+    assert share == pytest.approx((11.18 + 30.41 + 15.71 / 2) / outcome.run["path_length_mm"], abs=0.01)
+    assert place_of(outcome, 1) is None
+    row = pointer(make_look("mono", "ascii"), 30, (0.5, "N40")).strip(30).text
+    assert row.index("^") == 20 and row.rstrip().endswith("^ N40")
+    assert pointer(make_look("mono", "ascii"), 30, (1.0, "N70")).strip(30).text.rstrip().endswith("N70 ^")
+
+
+def test_compared_with_a_run_that_had_findings(tmp_path: Path) -> None:
+    file = tmp_path / "history.sqlite"
+    before = lagging()
+    History(file).add_run(before.kept(), before.path, "run", 0)
+    archive = Archive(file, "en")
+
+    async def script(stage: Stage) -> None:
+        await stage.until(lambda: archive.wait() or len(archive.jobs) == 1)
+        await stage.press("7")
+        archive.wait()
+        await stage.press("c")
+        text = " ".join((await stage.frame()).split())
+        assert f"cured: {finding_text(before.run['findings'][0], 'en')[:30]}" in text
+        assert "NEW finding" not in text
+
+    play(script, done(), archive=archive)
+    archive.close()
+
+
+def test_the_last_recording_is_opened_by_a_key(tmp_path: Path) -> None:
+    file, recording = tmp_path / "history.sqlite", tmp_path / "f.mcap"
+    before = ended()
+    run = before.kept() | {"files": {"recording": str(recording), "report": None}}
+    History(file).add_run(run, before.path, "run", 0)
+    archive = Archive(file, "en")
+
+    async def script(stage: Stage) -> None:
+        await stage.press("7", "P")
+        archive.wait()
+        await stage.until(lambda: "No recording" in stage.message)  # it is not there any more
+        recording.write_bytes(b"")
+        await stage.press("P")
+        await stage.until(lambda: f"load {recording}" in stage.engine.calls)
+
+    play(script, done(), archive=archive)
+    archive.close()
+
+
 def test_export_writes_the_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("SSH_CONNECTION", raising=False)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("mine")
 
     async def script(stage: Stage) -> None:
         await stage.press("7", "e", "enter")
         await stage.until(lambda: "contour-report/report.html" in stage.message, 60)
+        text = " ".join((await stage.frame()).split())
+        assert f"EXPORTED to {tmp_path}/contour-report/report.html; see it with: xdg-open" in text
         await stage.press("e", *"mine", "enter")
         await stage.until(lambda: "W301" in stage.message)
 

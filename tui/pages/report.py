@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from textwrap import wrap
@@ -13,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from textual.strip import Strip
 
+from cnc_front.compare import changed_findings
 from cnc_front.messages import text as message
-from tui.charts import columns, histogram
-from tui.export import default_folder, export
-from tui.look import Look
+from tui.charts import columns, histogram, pointer
+from tui.export import default_folder, export, how_to_open
+from tui.findings import View, finding_rows, lines_of, place_of, worst_rows
 from tui.pages.base import Page
 from tui.program import block_name
 from tui.rows import Row
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from cnc_front.outcome import Outcome
     from tui.app import Terminal
 
-#: Rows of a chart.
-CHART = 5
+#: Rows of a chart; of one that stands for one axis.
+CHART, SMALL = 5, 3
 
 
 class ReportPage(Page):
@@ -39,6 +39,7 @@ class ReportPage(Page):
     def __init__(self, app: Terminal) -> None:
         super().__init__(app)
         self.cursor = 0
+        self._exported: tuple[int, str] = (0, "")  # number of the run, and where its report is
         self._compared = -1  # index of the earlier run; -1: none
         self._rows: tuple[object, list[Strip]] = (None, [])
 
@@ -58,15 +59,17 @@ class ReportPage(Page):
         """All of it; it scrolls. Made anew only if something changed."""
         outcome = self.app.engine.outcome()
         before = self.earlier[self._compared] if 0 <= self._compared < len(self.earlier) else None
-        key = (outcome and outcome.number, shown.job, self.cursor, before and before["id"], width)
+        exported = self._exported[1] if outcome and outcome.number == self._exported[0] else ""
+        key = (outcome and outcome.number, shown.job, self.cursor, before and before["id"], width, exported)
         if self._rows[0] != key:
-            self._rows = (key, report_rows(View(shown.look, shown.words, width), outcome, self.cursor, before))
+            view = View(shown.look, shown.words, width)
+            self._rows = (key, report_rows(view, outcome, self.cursor, before, exported))
         return self._rows[1]
 
     def scroll(self, by: int) -> None:
-        """Chooses a block; beyond the last one, and by page keys, the page scrolls."""
+        """Chooses a finding or block; beyond the last one, and by page keys, the page scrolls."""
         outcome = self.app.engine.outcome()
-        last = len(outcome.worst) - 1 if outcome else -1
+        last = len(lines_of(outcome)) - 1 if outcome else -1
         if abs(by) == 1 and 0 <= self.cursor + by <= last and (by > 0 or self.top == 0):
             self.cursor += by
         else:
@@ -75,15 +78,29 @@ class ReportPage(Page):
     def confirm(self) -> None:
         """The run page shows the chosen block."""
         outcome = self.app.engine.outcome()
-        if outcome is not None and self.cursor < len(outcome.worst):
+        lines = lines_of(outcome) if outcome is not None else []
+        if self.cursor < len(lines):
             self.app.action_show("run")
-            self.app.program.choose(outcome.worst[self.cursor].line)
+            self.app.program.choose(lines[self.cursor])
 
     def key_compare(self) -> None:
         """The earlier run before this one, then the one before that, then none."""
         self._compared = self._compared + 1 if self._compared + 1 < len(self.earlier) else -1
         if not self.earlier:
             self.app.say(self.app.words("compare_none"))
+
+    def key_replay(self) -> None:
+        """Shows the newest recording, of the job that ran if there is one."""
+        outcome = self.app.engine.outcome()
+        job = str(Path(outcome.path).absolute()) if outcome is not None else None
+
+        def found(path: str) -> None:
+            self.app.call_later(self.app.load, path) if path else self.app.call_later(self._no_recording)
+
+        self.app.keeper.archive.find_recording(job, found)
+
+    def _no_recording(self) -> None:
+        self.app.say(self.app.words("replay_found_none"))
 
     def key_export(self) -> None:
         """Asks for a folder."""
@@ -99,32 +116,31 @@ class ReportPage(Page):
         words = self.app.words
 
         def write() -> None:
-            told = export(outcome, folder, words)
+            told, page = export(outcome, folder, words)
+            if page is not None:
+                self._exported = (outcome.number, how_to_open(page, words))
+                self.top = 0
             self.app.call_from_thread(self.app.say, told)
 
         self.app.say(words("exporting", folder=folder or default_folder(outcome)))
         self.app.run_worker(write, thread=True, group="export")
 
 
-@dataclass(frozen=True, slots=True)
-class View:
-    """How it is drawn."""
-
-    look: Look
-    words: Words
-    width: int
-
-
-def report_rows(view: View, outcome: Outcome | None, cursor: int, before: dict[str, Any] | None) -> list[Strip]:
-    """Verdict and figures, worst blocks, comparison, plots."""
+def report_rows(
+    view: View, outcome: Outcome | None, cursor: int, before: dict[str, Any] | None, exported: str = ""
+) -> list[Strip]:
+    """Verdict and figures, findings, worst blocks, comparison, plots. `exported`: where the report was written to."""
     look, words = view.look, view.words
     if outcome is None:
         texts = (words("report_title"), words("report_none"))
         return [Row(look.text).add(f" {text}").strip(view.width) for text in texts]
-    rows = [*_head(view, outcome), *_worst(view, outcome, cursor)]
+    rows = list(_head(view, outcome))
+    rows += [Row(look.strong).add(f" {text}") for text in wrap(exported, view.width - 3)]
+    rows += [*finding_rows(view, outcome, cursor), *worst_rows(view, outcome, cursor)]
     if before is not None:
         rows += _comparison(view, outcome, before)
-    rows += _plots(view, outcome)
+    lines = lines_of(outcome)
+    rows += _plots(view, outcome, lines[cursor] if cursor < len(lines) else 0)
     return [row.strip(view.width) for row in rows]
 
 
@@ -135,7 +151,7 @@ def _head(view: View, outcome: Outcome) -> Iterator[Row]:
     mark = {"PASS": "v", "WARN": "!"}.get(verdict["word"], "x")
     row = Row(look.strong).add(f" {words('report_title')}  ").add(Path(outcome.path).name).add("  ")
     row.add(f"{mark} {verdict['word']}", style).add(f"  {words('tolerance')} {verdict['tolerance_mm'] * 1e3:g} um")
-    yield row.until(view.width - 1, words("report_keys"), look.dim)
+    yield row.until(view.width - 1, words("report_keys" if view.width >= 100 else "report_keys_short"), look.dim)
     for reason in verdict["reasons"][:4]:
         values = {key: value for key, value in reason.items() if key != "id"}
         for text in wrap(message(reason["id"], words.language, **values), view.width - 4):
@@ -154,18 +170,6 @@ def _figures(view: View, run: dict[str, Any]) -> Iterator[str]:
         yield f"{words('feed_reached')} {run['feed']['programmed_reached_pct']:.0f} %"
 
 
-def _worst(view: View, outcome: Outcome, cursor: int) -> Iterator[Row]:
-    look, words = view.look, view.words
-    limit = outcome.run["verdict"]["tolerance_mm"] * 1e3
-    yield Row(look.dim).add(f"   {words('worst_head')}")
-    for k, finding in enumerate(outcome.worst):
-        style = look.bad if finding.max_um > limit else look.text
-        row = Row(style).add(" > " if k == cursor else "   ", look.cursor if k == cursor else look.text)
-        row.add(block_name(outcome.report.job_lines, finding.line)).until(21, f"{finding.max_um:.1f}")
-        row.until(30, f"{finding.rms_um:.1f}").until(39, f"{100 * finding.max_um / limit:.0f} %" if limit else "-")
-        yield row.at(42, finding.text)
-
-
 def _comparison(view: View, outcome: Outcome, before: dict[str, Any]) -> Iterator[Row]:
     """Figures now, before, and the difference; blocks that are new among the worst, and those that went."""
     look, words, run, old = view.look, view.words, outcome.run, before["run"]
@@ -180,6 +184,7 @@ def _comparison(view: View, outcome: Outcome, before: dict[str, Any]) -> Iterato
             worse = change > 1e-9 and unit == "um"
             row.until(63, f"{change:+.2f} {unit}", look.warn if worse else look.text)
         yield row
+    yield from _changed(view, old, run)
     lines = {f["line"] for f in old.get("worst", ())}
     if lines:
         new = [f.line for f in outcome.worst if f.line not in lines]
@@ -187,6 +192,18 @@ def _comparison(view: View, outcome: Outcome, before: dict[str, Any]) -> Iterato
         listing = outcome.report.job_lines
         for id, found in (("compare_new", new), ("compare_gone", gone)):
             yield Row(look.text).add(f"   {words(id)}: {', '.join(block_name(listing, n) for n in found) or '-'}")
+
+
+def _changed(view: View, old: dict[str, Any], run: dict[str, Any]) -> Iterator[Row]:
+    """Findings, alarms and reasons of the verdict that are new, and those that are cured."""
+    look, words = view.look, view.words
+    new, cured = changed_findings(old, run, words.language)
+    for id, style, told in (("compare_findings_new", look.bad, new), ("compare_findings_cured", look.good, cured)):
+        for text in told:
+            lines = wrap(f"{words(id)}: {text}", view.width - 6)
+            yield from (Row(style).add(("   " if n == 0 else "      ") + line) for n, line in enumerate(lines))
+    if not new and not cured:
+        yield Row(look.text).add(f"   {words('compare_findings_same')}")
 
 
 def _number(value: float | None, unit: str) -> str:
@@ -206,7 +223,8 @@ def _pairs(
     yield words("alarms_count"), float(len(new["alarms"])), float(len(old.get("alarms") or ())), ""
 
 
-def _plots(view: View, outcome: Outcome) -> Iterator[Row]:
+def _plots(view: View, outcome: Outcome, line: int) -> Iterator[Row]:
+    """Charts; `line`: the source line that is chosen, to be pointed at."""
     from cnc_front.report.data import HISTOGRAM_UM
 
     look, words, report = view.look, view.words, outcome.report
@@ -217,7 +235,12 @@ def _plots(view: View, outcome: Outcome) -> Iterator[Row]:
     # beside a deviation of some um, a limit far above would press it flat
     near = limit if np.nanmax(deviation, initial=0.0) > limit / 5 else None
     ends = ("0 mm", f"{len(deviation) * length['bucket_mm']:.0f} mm")
+    place = place_of(outcome, line)
+    mark = None if place is None else (place, block_name(report.job_lines, line))
     yield from columns(look, deviation, view.width - 1, CHART, limit=near, ends=ends)
+    if mark is not None:
+        yield pointer(look, view.width - 1, mark)
+    yield from _following(view, outcome)
     yield Row(look.strong).add(f" {words('plot_velocity')}")
     speed = np.asarray(time["speed"][1], dtype=np.float64) * 60
     seconds = len(speed) * time["samples_per_bucket"] * report.sample_time_s
@@ -226,3 +249,19 @@ def _plots(view: View, outcome: Outcome) -> Iterator[Row]:
     labels = [f"<= {edge:g}" if math.isfinite(edge) else f"> {HISTOGRAM_UM[-2]:g}" for edge in HISTOGRAM_UM]
     over = int(np.searchsorted(HISTOGRAM_UM, limit)) + 1
     yield from histogram(look, labels, report.histogram.counts.tolist(), view.width, over)
+
+
+def _following(view: View, outcome: Outcome) -> Iterator[Row]:
+    """Following error of each axis that has one, against mpe where that is near."""
+    look, words, report = view.look, view.words, outcome.report
+    time = report.series["over_time"]
+    rows = zip(report.axes, report.units, report.mpe, time["following"], strict=True)
+    for axis, unit, mpe, (low, high) in rows:
+        most = np.maximum(np.abs(np.asarray(low, np.float64)), np.abs(np.asarray(high, np.float64))) * 1e3
+        if not np.nanmax(most, initial=0.0) > 0:
+            continue
+        title = words("plot_following", axis=axis, unit="um" if unit == "mm" else "m°")
+        yield Row(look.strong).add(f" {title}").add(f"   mpe {mpe * 1e3:g}", look.dim)
+        near = mpe * 1e3 if np.nanmax(most) > mpe * 200 else None
+        seconds = len(most) * time["samples_per_bucket"] * report.sample_time_s
+        yield from columns(look, most, view.width - 1, SMALL, limit=near, ends=("0 s", f"{seconds:.1f} s"))
