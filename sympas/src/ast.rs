@@ -33,7 +33,12 @@ pub struct Block {
 pub enum Item {
     Labels(Vec<Name>),
     Constant(Constant),
-    Variables { names: Vec<Name>, kind: TypeName },
+    Variables {
+        names: Vec<Name>,
+        kind: TypeName,
+    },
+    /// Variables whose type was misspelt, which was reported.
+    Unknown(Vec<Name>),
     Routine(Routine),
 }
 

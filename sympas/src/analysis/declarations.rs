@@ -31,6 +31,7 @@ impl Analyser<'_> {
                 Item::Labels(names) => names.iter().for_each(|n| self.label_declaration(n)),
                 Item::Constant(constant) => self.constant(constant),
                 Item::Variables { names, kind } => names.iter().for_each(|n| self.variable(n, *kind)),
+                Item::Unknown(names) => names.iter().for_each(|n| self.scopes.poison(&n.text)),
                 Item::Routine(routine) => self.routine(routine),
             }
         }

@@ -4,10 +4,13 @@ use motion_kernel::sap::tables::Type;
 
 use super::{Lost, Parse, Parser};
 use crate::ast::{Block, Constant, Item, Name, Program, Routine, TypeName};
-use crate::diagnostics::{Fault, Id, Phrase};
+use crate::diagnostics::{Fault, Id, Phrase, closest};
 use crate::token::{Keyword, Symbol, TokenKind};
 
 const NAME: [&str; 2] = ["a name", "ein Name"];
+
+/// What a misspelt type may mean.
+const TYPES: [&str; 6] = ["boolean", "integer", "single", "double", "timer", "axis"];
 
 /// The keywords that begin a declaration.
 pub(super) const DECLARATIONS: [Keyword; 5] =
@@ -159,7 +162,7 @@ impl Parser<'_> {
         self.advance();
         loop {
             match self.variable_entry() {
-                Ok((names, kind)) => items.push(Item::Variables { names, kind }),
+                Ok(item) => items.push(item),
                 Err(Lost) => self.skip_declaration(),
             }
             if !self.more_entries([Symbol::Comma, Symbol::Colon]) {
@@ -167,12 +170,19 @@ impl Parser<'_> {
             }
         }
     }
-    fn variable_entry(&mut self) -> Parse<(Vec<Name>, TypeName)> {
+    fn variable_entry(&mut self) -> Parse<Item> {
         let names = self.expect_names(NAME)?;
         self.expect_symbol(Symbol::Colon)?;
-        let kind = self.type_name(true)?;
+        let item = match self.type_name(true) {
+            Ok(kind) => Item::Variables { names, kind },
+            Err(Lost) if matches!(self.kind(), TokenKind::Name(_)) => {
+                self.advance(); // a misspelt type: what is declared is known all the same
+                Item::Unknown(names)
+            }
+            Err(Lost) => return Err(Lost),
+        };
         self.expect_symbol(Symbol::Semicolon)?;
-        Ok((names, kind))
+        Ok(item)
     }
     fn type_name(&mut self, axis: bool) -> Parse<TypeName> {
         let span = self.span();
@@ -181,10 +191,13 @@ impl Parser<'_> {
             self.advance();
             return Ok(TypeName { kind, span });
         }
-        Err(self.expected(Phrase::new(
-            "a type (boolean, integer, single, double, timer)",
-            "ein Typ (boolean, integer, single, double, timer)",
-        )))
+        let what = "(boolean, integer, single, double, timer)";
+        let what = Phrase::new(&format!("a type {what}"), &format!("ein Typ {what}"));
+        let near = match self.kind() {
+            TokenKind::Name(name) => closest(&name.to_lowercase(), TYPES.into_iter().filter(|t| axis || *t != "axis")),
+            _ => None,
+        };
+        Err(self.expected_but(what, near))
     }
     fn routine(&mut self, items: &mut Vec<Item>, main: bool) -> Parse<()> {
         if !main {

@@ -93,11 +93,15 @@ impl Parser<'_> {
     }
     /// `{what} expected, '{token}' found`. What is missing at the end of a line is reported there.
     fn expected(&mut self, what: impl Into<Phrase>) -> Lost {
+        self.expected_but(what, None)
+    }
+    /// As `expected`, with what may be meant.
+    fn expected_but(&mut self, what: impl Into<Phrase>, near: Option<&str>) -> Lost {
         let (last, here) = (self.last_span(), self.span());
         let elsewhere = self.at > 0 && last.file == here.file && last.line < here.line;
         let span = if elsewhere { Span { column: last.column + last.length, length: 1, ..last } } else { here };
         let shown = self.shown();
-        self.report(Fault::new(Id::SP201, span).with(what).with(shown))
+        self.report(Fault::new(Id::SP201, span).with(what).with(shown).suggest(near))
     }
     fn shown(&self) -> Phrase {
         if self.at_end() { Phrase::new("end of text", "Textende") } else { self.token(0).shown().into() }

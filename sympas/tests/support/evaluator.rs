@@ -107,7 +107,7 @@ impl<'p> Machine<'p> {
     fn block(&mut self, block: &'p Block) -> Run<()> {
         for item in &block.items {
             match item {
-                Item::Labels(_) => {}
+                Item::Labels(_) | Item::Unknown(_) => {}
                 Item::Constant(c) => {
                     let value = self.value(&c.value)?;
                     self.frame().constants.insert(&c.name.text, value);
