@@ -41,6 +41,8 @@ pub struct Options {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     pub bytes: usize,
+    /// Bytes of a text that is kept in memory.
+    pub held: usize,
     pub errors: usize,
     pub blocks: u64,
     /// Blocks in a row that command nothing: an endless loop is found after seconds.
@@ -54,6 +56,7 @@ impl Default for Limits {
     fn default() -> Self {
         Limits {
             bytes: 256 << 20,
+            held: 256 << 20,
             errors: 100,
             blocks: 100_000_000,
             idle_blocks: 2_000_000,

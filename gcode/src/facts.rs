@@ -33,6 +33,8 @@ pub struct Facts {
     pub lines: u32,
     /// State at the first block of a part.
     pub start: Option<Start>,
+    /// It jumps, loops or calls: commands do not come in the order of the lines.
+    pub looks_back: bool,
     /// `modal` and `feeds` are wanted; they grow with the program.
     pub by_line: bool,
 }
@@ -52,6 +54,7 @@ impl Facts {
             blocks: 0,
             lines: 0,
             start: None,
+            looks_back: false,
             by_line: true,
         }
     }

@@ -1,29 +1,16 @@
 //! Subprograms, jumps and loops (docs/dialect.md, sections 3 and 15.3): where the next line comes from.
 
-use std::cell::OnceCell;
 use std::collections::{HashMap, HashSet};
 
 use crate::block::{Block, OWord, Statement};
 use crate::diagnostics::{Check, Fault, Id, Span};
 use crate::dialect::Options;
+use crate::files::Files;
 use crate::index::{Index, build_index, subprogram_name};
 use crate::source::{Lines, Mark};
 use crate::statements::{head_length, loop_word, o_word};
 use crate::translate::Call;
 use crate::variables::Variables;
-
-/// Files that subprograms were loaded from; they live as long as the compilation.
-pub struct Files {
-    slots: Vec<OnceCell<(String, Vec<u8>)>>,
-}
-
-const MAX_FILES: usize = 256;
-
-impl Default for Files {
-    fn default() -> Self {
-        Files { slots: (0..MAX_FILES).map(|_| OnceCell::new()).collect() }
-    }
-}
 
 /// What a call or return does to the program.
 pub(crate) enum Turn {
@@ -103,6 +90,19 @@ impl<'s> Flows<'s> {
         self.current = self.lines.mark();
         self.lines.next_line()
     }
+    /// A line of the main file has been read elsewhere, in a window: the next one begins there.
+    #[inline]
+    pub fn goes_by(&mut self, next: Mark) {
+        self.current = self.lines.mark();
+        self.lines.go(next);
+    }
+    /// The main file, so far read in windows, is in memory from now on.
+    pub fn hold(&mut self, text: Vec<u8>) {
+        let (next, text) = (self.lines.mark(), self.files.main.get_or_init(|| text));
+        self.sources[0].1 = text;
+        self.lines = Lines::new(text);
+        self.lines.go(next);
+    }
     pub fn depth(&self) -> usize {
         self.calls.len()
     }
@@ -137,9 +137,6 @@ impl<'s> Flows<'s> {
     }
     pub fn in_loop(&self) -> bool {
         !self.loops.is_empty()
-    }
-    pub fn definitions(&mut self) -> Vec<(u32, String)> {
-        self.index(0).definitions()
     }
     pub fn starts_subprogram(&self, name: &[u8]) -> bool {
         subprogram_name(name).is_some()

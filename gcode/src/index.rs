@@ -45,15 +45,6 @@ pub(crate) struct Index {
     pub labels: HashMap<(usize, u32), Label>,
 }
 
-impl Index {
-    /// Subprograms: line and name, in order.
-    pub fn definitions(&self) -> Vec<(u32, String)> {
-        let mut all: Vec<_> = self.subprograms.iter().map(|(name, s)| (s.1, name.clone())).collect();
-        all.sort_unstable();
-        all
-    }
-}
-
 /// Name of a subprogram in `%L 100` or `%L NAME`, given the text behind `%`.
 pub(crate) fn subprogram_name(text: &[u8]) -> Option<String> {
     let rest = text.strip_prefix(b"L").or(text.strip_prefix(b"l"))?;
@@ -72,7 +63,7 @@ fn plain(text: &[u8]) -> String {
 }
 
 /// Name of what a line begins: `%L 100`, `O100`, `:100`, `o100 sub`.
-fn definition(text: &[u8]) -> Option<String> {
+pub(crate) fn definition(text: &[u8]) -> Option<String> {
     let trimmed = text.trim_ascii();
     if let Some(rest) = trimmed.strip_prefix(b"%") {
         return subprogram_name(rest.trim_ascii());

@@ -1,7 +1,8 @@
 //! `check --strict`: what runs but smells (docs/dialect.md, section 24).
 
 use crate::block::{Block, mask};
-use crate::diagnostics::{Fault, Id, Span};
+use crate::diagnostics::{Fault, Id, Span, columns};
+use crate::index::definition;
 use crate::program::Run;
 use crate::sink::Circle;
 use crate::source::Lines;
@@ -69,20 +70,43 @@ impl Translator<'_> {
     }
 }
 
+/// Where a subprogram of the main file begins.
+#[derive(Debug)]
+pub(crate) struct Definition {
+    line: u32,
+    /// Of the line, in columns.
+    columns: Span,
+    name: String,
+}
+
 impl Run<'_, '_, '_> {
+    /// Remembers what a line of the main file begins; a name that stands twice counts where it stands first.
+    #[inline]
+    pub(crate) fn note_definition(&mut self, line: u32, text: &[u8]) {
+        if self.t.options.strict
+            && let Some(name) = definition(text)
+        {
+            let columns = columns(text, Span::new(0, text.trim_ascii_end().len()));
+            self.definitions.push(Definition { line, columns, name });
+        }
+    }
     /// GW944 for every subprogram of the main file that nobody called.
     pub(crate) fn lint_subprograms(&mut self) {
         if !self.t.options.strict {
             return;
         }
-        let mut lines = Lines::new(self.flows.main_source());
-        for (line, name) in self.flows.definitions() {
-            let Some(text) = std::iter::from_fn(|| lines.next_line()).find(|l| l.0 == line).map(|l| l.1) else {
-                return;
-            };
-            if line > self.program_line && !self.flows.called.contains(&name) {
-                let span = Span::new(0, text.trim_ascii_end().len());
-                self.reports_to_main(line, text, &Fault::with(Id::GW944, span, &[&name]));
+        if self.open.is_none() {
+            self.definitions.clear();
+            let mut lines = Lines::new(self.flows.main_source());
+            while let Some((line, text)) = lines.next_line() {
+                self.note_definition(line, text);
+            }
+        }
+        let mut known = std::mem::take(&mut self.flows.called);
+        for Definition { line, columns, name } in std::mem::take(&mut self.definitions) {
+            let fault = Fault::with(Id::GW944, columns, &[&name]);
+            if known.insert(name) && line > self.program_line {
+                self.report_to_main(line, &fault);
             }
         }
     }

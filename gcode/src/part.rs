@@ -4,6 +4,8 @@
 //! those of the whole program; only its commands are thrown away. What they left behind (tool, outputs, common
 //! variables) is sent again, then the axes go to where that block begins.
 
+use std::io;
+
 use motion_kernel::autocode::{HOST_EVENT_CI, Instr, Program};
 use motion_kernel::axes::AxisSet;
 
@@ -12,9 +14,9 @@ use crate::diagnostics::{Check, Fault, Id, Span};
 use crate::group::Point;
 use crate::mfunc::spool;
 use crate::modal::{FeedMode, MotionMode};
+use crate::once::{Input, Reader};
 use crate::outputs::Outputs;
 use crate::program::Run;
-use crate::source::Lines;
 use crate::statements::{block_number, head_length};
 use crate::translate::{Target, Translator};
 
@@ -23,6 +25,14 @@ use crate::translate::{Target, Translator};
 pub enum At {
     Line(u32),
     Block(u32),
+}
+
+impl At {
+    fn number(self) -> u32 {
+        match self {
+            At::Line(n) | At::Block(n) => n,
+        }
+    }
 }
 
 impl std::fmt::Display for At {
@@ -68,12 +78,26 @@ pub(crate) struct Part {
 }
 
 impl Run<'_, '_, '_> {
-    /// Finds the blocks that the options name; a fault stands on line 1.
-    pub(crate) fn find_part(&mut self) -> Check<()> {
-        let source = self.flows.main_source();
-        let line = |at: Option<At>| at.map(|at| line_of(source, at)).transpose();
-        self.part = Part { from: line(self.t.options.from)?, to: line(self.t.options.to)?, ..Part::default() };
-        Ok(())
+    /// Finds the blocks that the options name; the fault stands on line 1.
+    pub(crate) fn find_part(&mut self) -> io::Result<Check<()>> {
+        let mut wanted = [self.t.options.from, self.t.options.to].map(|at| at.map(Search::new));
+        if self.t.options.from.is_some() {
+            self.t.sink.left = Some(Left::default());
+        }
+        if wanted.iter().any(Option::is_some) {
+            let source: Input<'_> = match self.open {
+                Some(open) => open()?,
+                None => Box::new(self.flows.main_source()),
+            };
+            let mut reader = Reader::every_line(source);
+            while let Some((behind, text)) = reader.next_line()?
+                && wanted.iter_mut().flatten().any(|search| search.goes_on())
+            {
+                wanted.iter_mut().flatten().for_each(|search| search.pass(behind.line - 1, text));
+            }
+        }
+        let [from, to] = wanted.map(|search| search.map(Search::line).transpose());
+        Ok(from.and_then(|from| to.map(|to| self.part = Part { from, to, ..Part::default() })))
     }
     /// Before a block is executed; false if the part is over.
     pub(crate) fn within_part(&mut self, line: u32) -> bool {
@@ -115,21 +139,37 @@ impl Run<'_, '_, '_> {
     }
 }
 
-/// The line of a block; for a line without words the next one that has some.
-fn line_of(source: &[u8], at: At) -> Check<u32> {
-    let missing = || Fault::with(Id::GC617, Span::new(0, 1), &[&at]);
-    let mut lines = Lines::new(source);
-    let mut found = None;
-    while let Some((line, text)) = lines.next_line() {
-        match at {
-            At::Line(n) if line >= n && has_words(text) => return Ok(line),
-            At::Block(n) if block_number(text) == Some(n) && found.replace(line).is_some() => {
-                return Err(Fault::with(Id::GC605, Span::new(0, 1), &[&n, &"ambiguous"]));
-            }
+/// Looks for the line of a block; for a line without words it is the next one that has some.
+struct Search {
+    at: At,
+    found: Option<u32>,
+    ambiguous: bool,
+}
+
+impl Search {
+    fn new(at: At) -> Self {
+        Search { at, found: None, ambiguous: false }
+    }
+    /// A number may stand once more in every line that follows.
+    fn goes_on(&self) -> bool {
+        match self.at {
+            At::Line(_) => self.found.is_none(),
+            At::Block(_) => !self.ambiguous,
+        }
+    }
+    fn pass(&mut self, line: u32, text: &[u8]) {
+        match self.at {
+            At::Line(n) if self.found.is_none() && line >= n && has_words(text) => self.found = Some(line),
+            At::Block(n) if block_number(text) == Some(n) => self.ambiguous |= self.found.replace(line).is_some(),
             _ => {}
         }
     }
-    found.ok_or_else(missing)
+    fn line(self) -> Check<u32> {
+        if self.ambiguous {
+            return Err(Fault::with(Id::GC605, Span::new(0, 1), &[&self.at.number(), &"ambiguous"]));
+        }
+        self.found.ok_or_else(|| Fault::with(Id::GC617, Span::new(0, 1), &[&self.at]))
+    }
 }
 /// More than blanks, comments and a block number.
 fn has_words(text: &[u8]) -> bool {
@@ -152,7 +192,8 @@ impl Translator<'_> {
         (self.facts.motion_blocks, self.facts.low, self.facts.high) = (0, self.group.start, self.group.start);
         self.line = line;
         self.call_tools();
-        let left = Left::behind(&before);
+        let mut left = self.sink.left.take().unwrap_or_default();
+        left.pass(&before);
         for (axes, command, value) in left.writes {
             self.sink.ssf(line, axes, command, value, false);
         }
@@ -213,30 +254,29 @@ impl Translator<'_> {
     }
 }
 
-/// What the commands of a program leave behind.
+/// What commands leave behind that are thrown away.
 #[derive(Default)]
-struct Left {
+pub(crate) struct Left {
     set: u32,
     /// The last value of each variable or motor command, in the order in which they were first written.
     writes: Vec<(AxisSet, u16, f64)>,
 }
 
 impl Left {
-    fn behind(program: &Program) -> Self {
-        let mut left = Left::default();
+    /// The commands that come next.
+    pub(crate) fn pass(&mut self, program: &Program) {
         for instr in &program.code {
             let Instr::Ssf(number) = instr else { continue };
             let ssf = &program.ssfs[*number as usize];
             match ssf.command {
-                spool::SET_OUTPUTS => left.set |= ssf.value as u32,
-                spool::RESET_OUTPUTS => left.set &= !(ssf.value as u32),
+                spool::SET_OUTPUTS => self.set |= ssf.value as u32,
+                spool::RESET_OUTPUTS => self.set &= !(ssf.value as u32),
                 HOST_EVENT_CI | spool::HALT | spool::WAIT | spool::WAIT_INPUTS | spool::WAIT_HOST => {}
-                command => match left.writes.iter_mut().find(|w| w.0 == ssf.axes && w.1 == command) {
+                command => match self.writes.iter_mut().find(|w| w.0 == ssf.axes && w.1 == command) {
                     Some(known) => known.2 = ssf.value,
-                    None => left.writes.push((ssf.axes, command, ssf.value)),
+                    None => self.writes.push((ssf.axes, command, ssf.value)),
                 },
             }
         }
-        left
     }
 }

@@ -8,7 +8,10 @@ use crate::diagnostics::{Diagnostic, Fault, Id, Place, Reports, Span, columns};
 use crate::dialect::Options;
 use crate::expression::Environment;
 use crate::facts::Facts;
-use crate::flow::{Files, Flows, Turn};
+use crate::files::Files;
+use crate::flow::{Flows, Turn};
+use crate::lint::Definition;
+use crate::once::Open;
 use crate::parser;
 use crate::part::Part;
 use crate::seen::Numbers;
@@ -46,16 +49,41 @@ pub fn compile(source: &[u8], filename: &str, machine: &Machine, options: &Optio
     let mut reports = Reports::new(options.limits.errors);
     let files = Files::default();
     let mut translator = Translator::new(machine, options);
-    let fine = check_text(source, options.limits.bytes).and_then(|()| check_machine(&translator));
-    match fine {
-        Err(fault) => reports.add(Place { file_index: 0, file: filename, line: 1, text: b" " }, &fault),
-        Ok(()) => Run::new(&mut translator, &mut reports, source, filename, &files).run(),
-    }
+    compile_text(source, filename, &mut translator, &mut reports, &files);
     Compiled::new(translator, reports)
 }
 
+/// Translates a text that is in memory.
+pub(crate) fn compile_text(
+    source: &[u8],
+    filename: &str,
+    translator: &mut Translator,
+    reports: &mut Reports,
+    files: &Files,
+) {
+    let limits = translator.options.limits;
+    if is_sound(source, limits.bytes.min(limits.held), filename, translator, reports) {
+        Run::new(translator, reports, source, filename, files).run();
+    }
+}
+
+/// What stands before all else: it is a text, and the machine can move. The finding, if not.
+pub(crate) fn is_sound(
+    source: &[u8],
+    most: usize,
+    filename: &str,
+    translator: &Translator,
+    reports: &mut Reports,
+) -> bool {
+    let found = check_text(source, most).and_then(|()| check_machine(translator));
+    if let Err(fault) = &found {
+        reports.add(Place { file_index: 0, file: filename, line: 1, text: b" " }, fault);
+    }
+    found.is_ok()
+}
+
 /// A group without axes, speed or acceleration cannot move.
-pub(crate) fn check_machine(translator: &Translator) -> crate::diagnostics::Check<()> {
+fn check_machine(translator: &Translator) -> crate::diagnostics::Check<()> {
     let gcode = &translator.machine.gcode;
     let axes = &translator.group.axes;
     let dead = |v: f64| v.is_nan() || v <= 0.0;
@@ -102,10 +130,12 @@ pub(crate) struct Run<'t, 'm, 's> {
     /// Columns of the last unit code to inch.
     pub inch: Span,
     pub faults: Vec<Fault>,
-    /// The text is read once, from its beginning to its end: what would look back sets `needs_whole`.
-    pub once: bool,
-    pub needs_whole: bool,
+    /// The text comes in windows, and can be read whole; `None`: it is in memory.
+    pub open: Option<&'s Open<'s>>,
+    pub failed: Option<std::io::Error>,
     pub part: Part,
+    /// Subprograms so far, for the linter.
+    pub definitions: Vec<Definition>,
     /// Line of the O number of the main program.
     pub program_line: u32,
 }
@@ -127,6 +157,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         files: &'s Files,
     ) -> Self {
         let variables = Variables::new(t.dialect.vacant_zero, t.dialect.oword);
+        let main_loop = (t.dialect.main_loop, Mark::default());
         Run {
             flows: Flows::new(source, filename, files, t.options),
             t,
@@ -140,25 +171,33 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             any_block: false,
             told: Told::default(),
             behind: None,
-            main_loop: (0, Mark::default()),
+            main_loop,
             last: (1, Span::default(), b" ".to_vec()),
             inch: Span::new(0, 1),
             faults: Vec::new(),
-            once: false,
-            needs_whole: false,
+            open: None,
+            failed: None,
+            definitions: Vec::new(),
             part: Part::default(),
             program_line: 0,
         }
     }
 
+    /// A text in memory, from its beginning.
     fn run(&mut self) {
         let mut block = Block::default();
-        if let Err(fault) = self.find_part() {
-            return self.report(1, b" ", &fault);
+        match self.find_part() {
+            Ok(Ok(())) => {}
+            Ok(Err(fault)) => return self.report(1, b" ", &fault),
+            Err(_) => return, // memory can be read
         }
         let first = self.leader(self.flows.lines.clone(), &mut block);
+        self.through_memory(first, &mut block);
+        self.finish(self.flows.lines.mark().line - 1);
+    }
+    /// The lines that follow, of a text in memory; those before `first` do not count.
+    pub(crate) fn through_memory(&mut self, first: u32, block: &mut Block) {
         while self.flows.lines.mark().line < first && self.flows.lines.next_line().is_some() {}
-        self.main_loop.0 = self.t.dialect.main_loop;
         while !self.reports.stopped() {
             let Some((line, text)) = self.flows.next_line() else {
                 if self.flows.at_end_of_file(&mut self.variables) {
@@ -166,9 +205,8 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
                 }
                 break;
             };
-            self.line(line, text, &mut block);
+            self.line(line, text, block);
         }
-        self.finish(self.flows.lines.mark().line - 1);
     }
 
     #[inline]
@@ -288,12 +326,14 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         }
         if let Some(limit) = self.exceeded() {
             self.report(line, text, &Fault::with(Id::GC602, block.span, &[&limit]));
-            self.t.sink.drop_program();
-            self.mode = Mode::Ignore;
-            self.told.after_tape = true;
-            self.ended = true;
-            self.flows.unwind();
+            self.give_up();
         }
+    }
+    /// An error after which nothing more of the program is worth reading.
+    pub(crate) fn give_up(&mut self) {
+        self.t.sink.drop_program();
+        (self.mode, self.told.after_tape, self.ended) = (Mode::Ignore, true, true);
+        self.flows.unwind();
     }
     /// The limit of GC602 that the program has passed.
     fn exceeded(&mut self) -> Option<u64> {
@@ -331,11 +371,10 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
                 self.t.write(&statement, block.span);
                 Ok(Flow::Next)
             }
-            Some(statement) if self.once && !statement.goes_on() => {
-                self.needs_whole = true;
-                Ok(Flow::Next)
-            }
             Some(statement) => {
+                if !statement.goes_on() {
+                    self.look_back(block.span)?;
+                }
                 self.flows.statement(&statement, block, &mut self.variables)?;
                 Ok(Flow::Next)
             }
@@ -353,9 +392,11 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
     }
     /// Calls, returns and the end of the program.
     fn turn(&mut self, flow: Flow, block: &Block) {
-        if self.once && (matches!(flow, Flow::Call(_)) || self.main_loop.0 > 0) {
-            self.needs_whole = true;
-            return;
+        let again = self.main_loop.0 > 0 && matches!(flow, Flow::Return(_));
+        if (again || matches!(flow, Flow::Call(_)))
+            && let Err(fault) = self.look_back(block.span)
+        {
+            return self.t.faults.push(fault);
         }
         let turn = match flow {
             Flow::Next => Ok(Turn::Go),
@@ -427,8 +468,10 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         self.reports.add(Place { file_index, file, line, text }, fault);
     }
 
-    pub(crate) fn reports_to_main(&mut self, line: u32, text: &[u8], fault: &Fault) {
-        self.reports.add(Place { file_index: 0, file: self.flows.main_name(), line, text }, fault);
+    /// A finding in the main file; its span is in columns.
+    pub(crate) fn report_to_main(&mut self, line: u32, fault: &Fault) {
+        let place = Place { file_index: 0, file: self.flows.main_name(), line, text: b"" };
+        self.reports.add_columns(place, fault, fault.span);
     }
     /// Behind the last of `lines` lines.
     pub(crate) fn finish(&mut self, lines: u32) {

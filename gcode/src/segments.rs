@@ -35,8 +35,10 @@ impl Sink {
         let segment = self.builder.cut();
         self.list = self.builder.axis_list(self.group.axis_list());
         self.circle_lists.clear();
-        if let Some(deliver) = &mut self.deliver {
-            (deliver.to)(segment);
+        match (&mut self.left, &mut self.deliver) {
+            (Some(left), _) => left.pass(&segment),
+            (None, Some(deliver)) => (deliver.to)(segment),
+            (None, None) => {}
         }
     }
     /// A later block may still lower or raise the target velocity of the last move.

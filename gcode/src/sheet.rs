@@ -1,14 +1,13 @@
 //! What `translate` prints: the commands as JSON Lines, or as a sheet to be read beside the source, piece by piece.
 
 use std::fmt::Write;
-use std::io::Read;
 
 use motion_kernel::autocode::{HOST_EVENT_CI, Instr, Move, Program, Ssf};
 use motion_kernel::machine::Machine;
 
 use crate::listing::objects;
 use crate::mfunc::spool;
-use crate::once::LineReader;
+use crate::once::{Input, Reader};
 use crate::sequence::Radii;
 use crate::source::{Lines, Mark, decode};
 
@@ -22,7 +21,7 @@ pub struct Sheet {
     begun: bool,
     radii: Radii,
     /// The text, where it is read beside the program: the commands come in the order of its lines.
-    following: Option<LineReader>,
+    following: Option<Reader<'static>>,
     /// Place of each source line, and whether it commands anything (text only).
     lines: Vec<Mark>,
     commands: Vec<bool>,
@@ -53,8 +52,8 @@ impl Sheet {
     }
     /// For a program that comes in segments: a sheet beside `text`, JSON without one. [`Sheet::piece`] then lists a
     /// segment, [`Sheet::next_segment`] goes to the next.
-    pub fn following(machine: &Machine, text: Option<Box<dyn Read + Send>>) -> Self {
-        let (json, following) = (text.is_none(), text.map(LineReader::new));
+    pub fn following(machine: &Machine, text: Option<Input<'static>>) -> Self {
+        let (json, following) = (text.is_none(), text.map(Reader::every_line));
         let (lines, commands, radii) = (Vec::new(), Vec::new(), Radii::new(machine));
         Sheet { json, at: 0, begun: false, radii, following, lines, commands, shown: 0 }
     }

@@ -9,6 +9,7 @@ use crate::diagnostics::{Check, Span};
 use crate::dialect::Dialect;
 use crate::group::{ContourGroup, Point, SLOTS};
 use crate::offset_path::{Held, Tracking};
+use crate::part::Left;
 use crate::segments::Deliver;
 
 /// A circle in the plane of two slots, in machine coordinates.
@@ -88,6 +89,8 @@ pub struct Sink {
     pub(crate) builder: Builder,
     /// Takes the program in segments.
     pub(crate) deliver: Option<Deliver>,
+    /// The part that is wanted has not begun: commands are thrown away.
+    pub(crate) left: Option<Left>,
     /// Radius correction, if one is active.
     pub(crate) tracking: Option<Tracking>,
     /// Slots of the plane of the correction.
@@ -126,6 +129,7 @@ impl Sink {
         Sink {
             builder,
             deliver: None,
+            left: None,
             tracking: None,
             plane: [0, 1],
             low: group.start,

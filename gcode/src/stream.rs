@@ -11,7 +11,7 @@ use motion_kernel::autocode::{HostEvent, Instr, MoveKind, Program};
 use motion_kernel::machine::Machine;
 
 use crate::dialect::Options;
-use crate::once::{WINDOW, compile_once};
+use crate::once::{Input, Open, WINDOW, compile_once};
 use crate::program::Compiled;
 use crate::segments::Deliver;
 
@@ -129,7 +129,7 @@ impl Iterator for Segments {
 }
 
 /// How a translation ended; the program has gone to the users.
-pub type Outcome = io::Result<Option<Compiled>>;
+pub type Outcome = io::Result<Compiled>;
 
 /// A translation that goes on in a thread of its own. Dropped, it stops.
 pub struct Stream {
@@ -138,9 +138,9 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Begins to translate what `input` reads, for so many users. Each must take its segments, or be sent away.
+    /// Begins to translate what `open` opens, for so many users. Each must take its segments, or be sent away.
     pub fn start(
-        input: Box<dyn Read + Send>,
+        open: Box<Open<'static>>,
         filename: String,
         machine: Arc<Machine>,
         options: Options,
@@ -149,7 +149,7 @@ impl Stream {
         let shared = Arc::new(Shared::default());
         shared.state().taken = vec![0; users];
         let own = End(shared.clone());
-        let translate = move || own.translate(input, &filename, &machine, &options);
+        let translate = move || own.translate(&*open, &filename, &machine, &options);
         let thread = std::thread::Builder::new().name("translator".to_owned()).spawn(translate)?;
         let segments = (0..users).map(|user| Segments { shared: shared.clone(), user }).collect();
         Ok((Stream { shared, thread: Some(thread) }, segments))
@@ -193,12 +193,13 @@ impl Drop for Stream {
 struct End(Arc<Shared>);
 
 impl End {
-    fn translate(&self, input: Box<dyn Read + Send>, filename: &str, machine: &Machine, options: &Options) -> Outcome {
+    fn translate(&self, open: &Open<'_>, filename: &str, machine: &Machine, options: &Options) -> Outcome {
         let shared = self.0.clone();
         let deliver = Deliver { every: SEGMENT, to: Box::new(move |segment| shared.push(segment)) };
-        let input = Cancellable { input, shared: &self.0 };
-        let mut outcome = compile_once(input, filename, machine, options, Some(deliver), WINDOW);
-        if let Ok(Some(compiled)) = &mut outcome
+        let open =
+            || -> io::Result<Input<'static>> { Ok(Box::new(Cancellable { input: open()?, shared: self.0.clone() })) };
+        let mut outcome = compile_once(&open, filename, machine, options, Some(deliver), WINDOW);
+        if let Ok(compiled) = &mut outcome
             && let Some(last) = compiled.program.take()
         {
             self.0.push(last);
@@ -214,12 +215,12 @@ impl Drop for End {
 }
 
 /// Reading ends when nobody is interested any more.
-struct Cancellable<'s> {
-    input: Box<dyn Read + Send>,
-    shared: &'s Shared,
+struct Cancellable {
+    input: Input<'static>,
+    shared: Arc<Shared>,
 }
 
-impl Read for Cancellable<'_> {
+impl Read for Cancellable {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         if self.shared.state().cancelled {
             return Err(io::Error::other("cancelled"));

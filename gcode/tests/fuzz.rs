@@ -314,8 +314,7 @@ fn judge(text: &[u8], machine: &Machine, options: &Options) {
     assert_eq!(made.program.is_none(), made.has_errors(), "{}", shown());
     // small windows and segments: their ends fall everywhere
     let (window, every) = (1 + text.len() % 97, 1 + text.len() as u32 % 5);
-    let plain = Options { limits: less, from: None, to: None, strict: false, ..options.clone() };
-    common::same_once(text, machine, &plain, window, every);
+    common::same_once(text, machine, &Options { limits: less, ..options.clone() }, window, every);
     if !made.has_errors() {
         assert!(!checked.has_errors(), "{:?}\n{}", checked.diagnostics, shown());
     }
