@@ -189,11 +189,11 @@ impl Translator<'_> {
         self.sink.flush();
         self.facts.start = Some(self.start(line));
         let before = self.sink.begin_again(self.machine.gcode.start_fill);
+        let mut left = self.sink.left.take().unwrap_or_default(); // from here on commands count
+        left.pass(&before);
         (self.facts.motion_blocks, self.facts.low, self.facts.high) = (0, self.group.start, self.group.start);
         self.line = line;
         self.call_tools();
-        let mut left = self.sink.left.take().unwrap_or_default();
-        left.pass(&before);
         for (axes, command, value) in left.writes {
             self.sink.ssf(line, axes, command, value, false);
         }

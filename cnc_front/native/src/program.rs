@@ -1,9 +1,9 @@
 //! `cnc_front._native.gcode`: part programs compiled to autocode.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use gcode::{At, Compiled, Library, Options};
+use gcode::{At, Compiled, Library, Options, SequenceColumns};
 use motion_kernel::autocode;
 use motion_kernel::machine::{self, Profile};
 use numpy::{IntoPyArray, PyArrayMethods};
@@ -17,6 +17,8 @@ use crate::stream::Stream;
 pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Program>()?;
     module.add_class::<Listing>()?;
+    module.add_class::<Pieces>()?;
+    module.add("PIECE", gcode::PIECE)?;
     module.add_class::<Stream>()?;
     module.add_class::<crate::stream::StreamListing>()?;
     module.add("MOST_BYTES", crate::stream::MOST_BYTES)?;
@@ -106,14 +108,14 @@ pub fn profile_of(name: &str) -> PyResult<Profile> {
 }
 
 /// `N120` is a block number, `120` a line.
-fn block_at(text: &str) -> PyResult<At> {
+pub fn block_at(text: &str) -> PyResult<At> {
     let digits = text.strip_prefix(['N', 'n']);
     let number = digits.unwrap_or(text).parse().map_err(|_| PyValueError::new_err(format!("'{text}' is no block")))?;
     Ok(if digits.is_some() { At::Block(number) } else { At::Line(number) })
 }
 
 /// Subprograms in the folder of the program; names never leave it (GC604).
-fn folder(folder: PathBuf) -> Library {
+pub fn folder(folder: PathBuf) -> Library {
     Arc::new(move |name: &str| {
         let plain = Path::new(name).file_name().is_some_and(|last| last == name);
         let file = folder.join(name);
@@ -135,6 +137,7 @@ pub fn facts_dict<'py>(
     let modal: Vec<(u32, &str)> = facts.modal.iter().map(|m| (m.0, facts.modal_texts[m.1 as usize].as_str())).collect();
     dict.set_item("modal", modal)?;
     dict.set_item("feeds", facts.feeds.clone())?;
+    dict.set_item("looks_back", facts.looks_back)?;
     dict.set_item("more_warnings", compiled.more_warnings)?;
     let extents = PyDict::new(py);
     let group = machine.group();
@@ -217,27 +220,69 @@ impl Program {
     /// The motion commands as columns (see gcode::SequenceColumns).
     fn sequence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let columns = py.detach(|| gcode::sequence(&self.inner, &self.machine));
-        let (n, a, m) = (columns.kind.len(), columns.axes, columns.via_line.len());
-        let rows = columns.effradius.len() / a.max(1);
-        let dict = PyDict::new(py);
-        dict.set_item("start", columns.start.into_pyarray(py))?;
-        dict.set_item("kind", columns.kind.into_pyarray(py))?;
-        dict.set_item("line", columns.line.into_pyarray(py))?;
-        dict.set_item("rapid", columns.rapid.into_pyarray(py))?;
-        dict.set_item("target", columns.target.into_pyarray(py).reshape([n, a])?)?;
-        dict.set_item("c1", columns.c1.into_pyarray(py))?;
-        dict.set_item("c2", columns.c2.into_pyarray(py))?;
-        dict.set_item("center", columns.center.into_pyarray(py).reshape([n, 2])?)?;
-        dict.set_item("phi", columns.phi.into_pyarray(py))?;
-        dict.set_item("vl", columns.vl.into_pyarray(py))?;
-        dict.set_item("ac", columns.ac.into_pyarray(py))?;
-        dict.set_item("tvl", columns.tvl.into_pyarray(py))?;
-        dict.set_item("via_first", columns.via_first.into_pyarray(py))?;
-        dict.set_item("via_count", columns.via_count.into_pyarray(py))?;
-        dict.set_item("via_line", columns.via_line.into_pyarray(py))?;
-        dict.set_item("via_target", columns.via_target.into_pyarray(py).reshape([m, a])?)?;
-        dict.set_item("effradius", columns.effradius.into_pyarray(py).reshape([rows, a])?)?;
-        dict.set_item("effradius_of", columns.effradius_of.into_pyarray(py))?;
-        Ok(dict)
+        columns_dict(py, columns)
+    }
+    /// The same in pieces of PIECE rows, for a recording.
+    fn pieces(&self) -> Pieces {
+        let mut program = Some(self.inner.clone());
+        Pieces::new(self.machine.clone(), move || program.take())
+    }
+}
+
+fn columns_dict(py: Python<'_>, columns: SequenceColumns) -> PyResult<Bound<'_, PyDict>> {
+    let (n, a, m) = (columns.kind.len(), columns.axes, columns.via_line.len());
+    let rows = columns.effradius.len() / a.max(1);
+    let dict = PyDict::new(py);
+    dict.set_item("start", columns.start.into_pyarray(py))?;
+    dict.set_item("kind", columns.kind.into_pyarray(py))?;
+    dict.set_item("line", columns.line.into_pyarray(py))?;
+    dict.set_item("rapid", columns.rapid.into_pyarray(py))?;
+    dict.set_item("target", columns.target.into_pyarray(py).reshape([n, a])?)?;
+    dict.set_item("c1", columns.c1.into_pyarray(py))?;
+    dict.set_item("c2", columns.c2.into_pyarray(py))?;
+    dict.set_item("center", columns.center.into_pyarray(py).reshape([n, 2])?)?;
+    dict.set_item("phi", columns.phi.into_pyarray(py))?;
+    dict.set_item("vl", columns.vl.into_pyarray(py))?;
+    dict.set_item("ac", columns.ac.into_pyarray(py))?;
+    dict.set_item("tvl", columns.tvl.into_pyarray(py))?;
+    dict.set_item("via_first", columns.via_first.into_pyarray(py))?;
+    dict.set_item("via_count", columns.via_count.into_pyarray(py))?;
+    dict.set_item("via_line", columns.via_line.into_pyarray(py))?;
+    dict.set_item("via_target", columns.via_target.into_pyarray(py).reshape([m, a])?)?;
+    dict.set_item("effradius", columns.effradius.into_pyarray(py).reshape([rows, a])?)?;
+    dict.set_item("effradius_of", columns.effradius_of.into_pyarray(py))?;
+    Ok(dict)
+}
+
+type NextSegment = Box<dyn FnMut() -> Option<Arc<autocode::Program>> + Send>;
+
+/// Motion commands as columns, piece by piece.
+#[pyclass(frozen, module = "cnc_front._native.gcode")]
+pub struct Pieces {
+    state: Mutex<(gcode::Pieces, NextSegment)>,
+    machine: Arc<machine::Machine>,
+}
+
+impl Pieces {
+    pub fn new(
+        machine: Arc<machine::Machine>,
+        next: impl FnMut() -> Option<Arc<autocode::Program>> + Send + 'static,
+    ) -> Pieces {
+        Pieces { state: Mutex::new((gcode::Pieces::new(&machine), Box::new(next))), machine }
+    }
+}
+
+#[pymethods]
+impl Pieces {
+    fn __iter__(this: PyRef<'_, Self>) -> PyRef<'_, Self> {
+        this
+    }
+    /// The next piece; it waits for the translation. There is one at least.
+    fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let piece = py.detach(|| {
+            let (pieces, next) = &mut *self.state.lock().unwrap_or_else(PoisonError::into_inner);
+            pieces.next(&self.machine, next)
+        });
+        piece.map(|columns| columns_dict(py, columns)).transpose()
     }
 }

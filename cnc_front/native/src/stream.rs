@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use gcode::stream::{Counts, Segments};
-use gcode::{Options, SequenceColumns, Sequencer};
+use gcode::{Input, Options, SequenceColumns, Sequencer};
 use motion_kernel::autocode::MoveKind;
 use motion_kernel::machine;
 use pyo3::exceptions::{PyOSError, PyValueError};
@@ -14,14 +14,15 @@ use pyo3::types::PyDict;
 use toolpaths::SequenceView;
 
 use crate::machine::{Machine, Row};
-use crate::program::{Program, facts_dict, levels, profile_of, rows};
+use crate::program::{Pieces, Program, block_at, facts_dict, folder, levels, profile_of, rows};
 
-/// The controller's part of a stream, and that of the path it is measured against.
+/// The controller's part of a stream, that of the path it is measured against, and that of a recording.
 const EXECUTES: usize = 0;
 const MEASURES: usize = 1;
+const RECORDS: usize = 2;
 
-/// Findings and facts of a translation; None: the program jumps, loops or calls and must be compiled whole.
-type Found<'py> = Option<(Vec<Row>, Bound<'py, PyDict>)>;
+/// Findings and facts of a translation.
+type Found<'py> = (Vec<Row>, Bound<'py, PyDict>);
 
 /// A part program on its way from a file: a thread translates it, those who need its commands take them as they come.
 #[pyclass(frozen, module = "cnc_front._native.gcode")]
@@ -35,64 +36,80 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn options(profile: Option<&str>, optional_stop: bool, block_delete: &[u8], check_only: bool) -> PyResult<Options> {
-    let profile = profile.map(profile_of).transpose()?;
-    let mut options =
-        Options { profile, optional_stop, block_delete: levels(block_delete), check_only, ..Options::default() };
-    // nothing of the text is kept: only the bound on commands holds
-    options.limits.bytes = MOST_BYTES;
-    Ok(options)
+/// `cnc_front.jobs.CompileOptions`, or what looks like it.
+#[derive(FromPyObject)]
+pub struct Asked {
+    profile: Option<String>,
+    optional_stop: bool,
+    block_delete: Vec<u8>,
+    start: Option<String>,
+    stop: Option<String>,
+    strict: bool,
+    dry_feed: Option<f64>,
+    mdi: bool,
 }
 
-/// Largest text that is read once.
+impl Asked {
+    fn options(self, path: &Path, check_only: bool) -> PyResult<Options> {
+        let mut options = Options {
+            profile: self.profile.as_deref().map(profile_of).transpose()?,
+            optional_stop: self.optional_stop,
+            block_delete: levels(&self.block_delete),
+            from: self.start.as_deref().map(block_at).transpose()?,
+            to: self.stop.as_deref().map(block_at).transpose()?,
+            strict: self.strict,
+            dry_feed: self.dry_feed,
+            mdi: self.mdi,
+            library: path.parent().map(|parent| folder(parent.to_path_buf())),
+            check_only,
+            ..Options::default()
+        };
+        // nothing of the text is kept: only the bound on commands holds
+        options.limits.bytes = MOST_BYTES;
+        Ok(options)
+    }
+}
+
+/// Largest text that is read in windows.
 pub const MOST_BYTES: usize = 1 << 30;
 
-fn opened(path: &Path) -> PyResult<File> {
-    File::open(path).map_err(|error| failed(&error, path))
+fn opened(path: &Path) -> std::io::Result<Input<'static>> {
+    Ok(Box::new(File::open(path)?))
 }
 fn failed(error: &std::io::Error, path: &Path) -> PyErr {
-    PyOSError::new_err((error.raw_os_error().unwrap_or(0), error.to_string(), path.to_path_buf()))
+    match error.raw_os_error() {
+        Some(number) => PyOSError::new_err((number, error.to_string(), path.to_path_buf())),
+        None => PyOSError::new_err(error.to_string()),
+    }
 }
 
-/// Checks a part program that is read once: findings and facts as of `compile`, but for facts by line.
+/// Checks a part program that is read in windows: findings and facts as of `compile`, but for facts by line. Raises
+/// OSError.
 #[pyfunction]
-#[pyo3(signature = (path, filename, machine, *, profile=None, optional_stop=false, block_delete=Vec::new()))]
 pub fn check_once<'py>(
     py: Python<'py>,
     path: PathBuf,
     filename: &str,
     machine: &Machine,
-    profile: Option<&str>,
-    optional_stop: bool,
-    block_delete: Vec<u8>,
+    options: Asked,
 ) -> PyResult<Found<'py>> {
-    let options = options(profile, optional_stop, &block_delete, true)?;
-    let (target, input) = (machine.inner.clone(), opened(&path)?);
-    let checked = py.detach(|| gcode::compile_once(input, filename, &target, &options, None, gcode::WINDOW));
-    match checked.map_err(|error| failed(&error, &path))? {
-        Some(compiled) => Ok(Some((rows(&compiled), facts_dict(py, &compiled, &target)?))),
-        None => Ok(None),
-    }
+    let (options, target) = (options.options(&path, true)?, machine.inner.clone());
+    let open = || opened(&path);
+    let checked = py.detach(|| gcode::compile_once(&open, filename, &target, &options, None, gcode::WINDOW));
+    let compiled = checked.map_err(|error| failed(&error, &path))?;
+    Ok((rows(&compiled), facts_dict(py, &compiled, &target)?))
 }
 
 #[pymethods]
 impl Stream {
-    /// Begins to translate a file. Two `users`: its commands go to a controller (`Mcu.load`) and to a tracker
-    /// (`Tracker.growing`). One: they are iterated over, segment by segment.
+    /// Begins to translate a file for its users: a controller (`Mcu.load`), a tracker (`Tracker.growing`), and a
+    /// recording (`pieces`). The commands of the first may be iterated over, segment by segment. Raises OSError.
     #[new]
-    #[pyo3(signature = (path, filename, machine, *, users=2, profile=None, optional_stop=false, block_delete=Vec::new()))]
-    fn new(
-        path: PathBuf,
-        filename: String,
-        machine: &Machine,
-        users: usize,
-        profile: Option<&str>,
-        optional_stop: bool,
-        block_delete: Vec<u8>,
-    ) -> PyResult<Stream> {
-        let options = options(profile, optional_stop, &block_delete, false)?;
-        let (file, target) = (Box::new(opened(&path)?), machine.inner.clone());
-        let started = gcode::stream::Stream::start(file, filename, target.clone(), options, users);
+    fn new(path: PathBuf, filename: String, machine: &Machine, options: Asked, users: usize) -> PyResult<Stream> {
+        let (options, target) = (options.options(&path, false)?, machine.inner.clone());
+        let file = path.clone();
+        let open = Box::new(move || opened(&file));
+        let started = gcode::stream::Stream::start(open, filename, target.clone(), options, users);
         let (stream, users) = started.map_err(|error| failed(&error, &path))?;
         let users = Mutex::new(users.into_iter().map(Some).collect());
         Ok(Stream { stream: Mutex::new(stream), users, machine: target })
@@ -126,19 +143,22 @@ impl Stream {
     }
     /// JSON Lines of design 3.3, or the sheet to be read beside the source (`path`, read again): pieces of whole lines.
     fn listing(this: PyRef<'_, Self>, path: PathBuf, json: bool) -> PyResult<StreamListing> {
-        let text = if json { None } else { Some(Box::new(opened(&path)?) as Box<dyn std::io::Read + Send>) };
+        let text = if json { None } else { Some(opened(&path).map_err(|error| failed(&error, &path))?) };
         let sheet = gcode::Sheet::following(&this.machine, text);
         let state = Mutex::new((sheet, this.user(EXECUTES)?, None));
         Ok(StreamListing { machine: this.machine.clone(), state, _stream: this.into() })
+    }
+    /// The motion commands as columns in pieces of PIECE rows, for a recording.
+    fn pieces(&self) -> PyResult<Pieces> {
+        let mut segments = self.user(RECORDS)?;
+        Ok(Pieces::new(self.machine.clone(), move || segments.next()))
     }
     /// Waits for the end of the translation: findings and facts as of `check_once`, once. Raises OSError.
     fn finish<'py>(&self, py: Python<'py>) -> PyResult<Found<'py>> {
         let outcome = py.detach(|| locked(&self.stream).finish());
         let outcome = outcome.ok_or_else(|| PyValueError::new_err("the translation is over"))?;
-        match outcome.map_err(|error| PyOSError::new_err(error.to_string()))? {
-            Some(compiled) => Ok(Some((rows(&compiled), facts_dict(py, &compiled, &self.machine)?))),
-            None => Ok(None),
-        }
+        let compiled = outcome.map_err(|error| PyOSError::new_err(error.to_string()))?;
+        Ok((rows(&compiled), facts_dict(py, &compiled, &self.machine)?))
     }
 }
 

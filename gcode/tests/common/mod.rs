@@ -167,10 +167,8 @@ pub fn same_once(text: &[u8], machine: &Machine, options: &Options, window: usiz
             let (one, all) = (flat(&segments, machine), flat(std::slice::from_ref(&program), machine));
             // the sheet beside a program that jumps is that of the whole one
             for json in [false, true].into_iter().filter(|json| *json || !found.facts.looks_back) {
-                assert!(
-                    listed(text, &segments, machine, json)
-                        == listed(text, std::slice::from_ref(&program), machine, json)
-                );
+                let one = listed(text, &segments, machine, json);
+                assert_eq!(one, listed(text, std::slice::from_ref(&program), machine, json), "{}", shown());
             }
             assert!(one == all, "{}\n{:?}", shown(), one.iter().zip(&all).find(|(a, b)| a != b));
         }
