@@ -31,8 +31,8 @@ job = compile_job(read_job(sys.argv[1]), load_machine(None), CompileOptions())
 TRANSLATE = """
 import sys
 from cnc_front._native import gcode
-from cnc_front.jobs import load_machine
-for segment in gcode.Stream(sys.argv[1], sys.argv[1], load_machine(None).machine, users=1):
+from cnc_front.jobs import CompileOptions, load_machine
+for segment in gcode.Stream(sys.argv[1], sys.argv[1], load_machine(None).machine, CompileOptions(), 1):
     pass
 """
 #: a job simulated to the end of its motion, nothing measured

@@ -7,8 +7,7 @@ import json
 import os
 import sys
 from collections import Counter
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +22,7 @@ from cnc_front.jobs import (
     CompileOptions,
     JobSource,
     MachineFile,
+    check_held,
     compile_job,
     diagnose,
     language_at,
@@ -74,13 +74,13 @@ def _print_warnings(warnings: tuple[Diagnostic, ...], options: argparse.Namespac
             print(f"{warning.file}: {more}", file=sys.stderr)
 
 
-def _print_start(job: CompiledJob, options: argparse.Namespace) -> None:
+def _print_start(facts: dict[str, Any], machine: MachineFile, options: argparse.Namespace) -> None:
     """What the operator must know where the program begins in the middle."""
-    if job.facts["start"] is not None and not options.quiet:
+    if facts["start"] is not None and not options.quiet:
         from cnc_front.search import start_text
 
-        units = dict(zip(job.machine.machine.axis_names, job.machine.machine.units, strict=True))
-        print(start_text(job.facts["start"], units, language_from(options.lang)), file=sys.stderr)
+        units = dict(zip(machine.machine.axis_names, machine.machine.units, strict=True))
+        print(start_text(facts["start"], units, language_from(options.lang)), file=sys.stderr)
 
 
 def _print_basis(run_object: dict[str, Any], options: argparse.Namespace) -> None:
@@ -159,36 +159,18 @@ def _executed(
     record: Path | None,
     report: Path | None,
 ) -> tuple[RunResult, Verdict, dict[str, Any]]:
-    """The run with its verdict and object: streamed, where it can be."""
-    from cnc_front.deliver import run_and_write, run_streamed
-    from cnc_front.streaming import MustBeWhole, streams
+    """The run with its verdict and object: streamed, unless the path is needed as a whole."""
+    from cnc_front.deliver import run_and_write
 
-    def chosen(machine: MachineFile) -> RunOptions:
-        return replace(run_options, stimulus=load_stimulus(options.stimulus, options.job, machine))
-
-    kept = (
-        record,
-        report,
-        options.time_optimal,
-        run_options.sweep,
-        options.scan,
-        options.reference,
-        _setup_path(options),
-    )
-    if not any(kept) and streams(options.job, _compile_options(options)):
-        with suppress(MustBeWhole):
-            streamed = loaded.stream(options)
-            done = run_streamed(streamed, chosen(streamed.machine), options.tolerance)
-            _print_warnings(streamed.warnings, options)
-            return done
-    job = loaded.load(options)
-    wanted = chosen(job.machine)
-    checks = _checks(job, options, about_reference)
+    checked = options.reference is not None or _setup_path(options) is not None
+    whole = bool(report or options.time_optimal or run_options.sweep or checked)
+    job = loaded.job(options, whole=whole)
+    wanted = replace(run_options, stimulus=load_stimulus(options.stimulus, options.job, job.machine))
+    checks = _checks(job, options, about_reference) if isinstance(job, CompiledJob) else None
     wanted = replace(wanted, scan=scanned(options, job.machine.machine))
     _print_warnings(job.warnings, options)
-    _print_start(job, options)
-    language = language_from(options.lang)
-    return run_and_write(job, wanted, options.tolerance, record, report, language, checks)
+    _print_start(job.facts, job.machine, options)
+    return run_and_write(job, wanted, options.tolerance, record, report, language_from(options.lang), checks)
 
 
 def check_extras(options: argparse.Namespace) -> None:
@@ -243,18 +225,20 @@ class _Loaded:
     source: JobSource | FileSource | None = None
     machine: MachineFile | None = None
 
-    def stream(self, options: argparse.Namespace) -> StreamedJob:
-        from cnc_front.streaming import begin
+    def job(self, options: argparse.Namespace, *, whole: bool) -> CompiledJob | StreamedJob:
+        """The job, ready to run; raises CompileError."""
+        from cnc_front.streaming import FileSource, begin, streams
 
-        self.machine = load_machine(options.machine, options.job)
-        job = begin(options.job, self.machine, _compile_options(options))
-        self.source = job.source
-        return job
-
-    def load(self, options: argparse.Namespace) -> CompiledJob:
+        chosen = _compile_options(options)
+        if not whole and streams(options.job, options.language):
+            self.source = FileSource(options.job)
+            self.machine = load_machine(options.machine, options.job)
+            return begin(self.source, self.machine, chosen, recorded=options.record is not None)
         source = self.source = read_job(options.job, options.language)
         self.machine = load_machine(options.machine, options.job)
-        return compile_job(source, self.machine, _compile_options(options))
+        job = compile_job(source, self.machine, chosen)
+        check_held(options.job, job.facts["motion_blocks"])
+        return job
 
 
 def check(options: argparse.Namespace) -> int:
@@ -279,9 +263,8 @@ def _findings(path: str, options: argparse.Namespace) -> tuple[Diagnostic, ...]:
     from cnc_front import streaming
 
     machine, chosen = load_machine(options.machine, path), _compile_options(options)
-    if streaming.streams(path, chosen):
-        with suppress(streaming.MustBeWhole):
-            return streaming.check(path, machine, chosen)
+    if streaming.streams(path, options.language):
+        return streaming.check(path, machine, chosen)
     return diagnose(read_job(path, options.language), machine, chosen, check_only=True)[1]
 
 
@@ -293,20 +276,28 @@ def translate(options: argparse.Namespace) -> int:
         return translate_autocode(options)
     if options.autocode or options.output:
         raise UsageError("--autocode and --output are for rw_SymPas jobs and autocode files")
+    machine, chosen = load_machine(options.machine, options.job), _compile_options(options)
+    warnings, facts, pieces = _listing(options, machine, chosen)
+    _print_warnings(warnings, options)
+    _print_start(facts, machine, options)
+    sys.stdout.writelines(pieces)
+    return Exit.DONE
+
+
+def _listing(
+    options: argparse.Namespace, machine: MachineFile, chosen: CompileOptions
+) -> tuple[tuple[Diagnostic, ...], dict[str, Any], Iterable[str]]:
+    """Warnings, facts and listing of a sound program: nothing is printed of another. Beside a program that jumps the
+    lines of the sheet are not in their order, so that one is made of the whole."""
     from cnc_front import streaming
 
-    machine, chosen = load_machine(options.machine, options.job), _compile_options(options)
-    if streaming.streams(options.job, chosen):
-        with suppress(streaming.MustBeWhole):
-            # nothing is printed before the whole text is known to be sound
-            _print_warnings(streaming.sound(options.job, machine, chosen), options)
-            sys.stdout.writelines(streaming.listing(options.job, machine, chosen, json=options.json))
-            return Exit.DONE
+    if streaming.streams(options.job, options.language):
+        source = streaming.FileSource(options.job)
+        warnings, facts = streaming.sound(source, machine, chosen)
+        if options.json or not facts["looks_back"]:
+            return warnings, facts, streaming.listing(source, machine, chosen, json=options.json)
     job = compile_job(read_job(options.job, options.language), machine, chosen)
-    _print_warnings(job.warnings, options)
-    _print_start(job, options)
-    sys.stdout.writelines(job.program.listing(job.source.data, options.json))
-    return Exit.DONE
+    return job.warnings, job.facts, job.program.listing(job.source.data, options.json)
 
 
 def report(options: argparse.Namespace) -> int:

@@ -51,7 +51,7 @@ class Both:
 
 
 def run_and_write(
-    job: CompiledJob,
+    job: CompiledJob | StreamedJob,
     options: RunOptions,
     tolerance_mm: float | None,
     record: Path | None,
@@ -59,30 +59,33 @@ def run_and_write(
     language: str,
     checks: Checks | None = None,
 ) -> tuple[RunResult, Verdict, dict[str, Any]]:
-    """The run, its verdict, and the object of design 3.2; files are written before it returns."""
+    """The run, its verdict, and the object of design 3.2; files are written before it returns.
+
+    A report, `checks`, a sweep and the time-optimal bound need a CompiledJob. Raises OSError; CompileError where a
+    machine is not ready, or the file of a StreamedJob changed.
+    """
     tolerance = tolerance_mm if tolerance_mm is not None else job.machine.machine.tolerance_mm
     metadata = _metadata(job, options, tolerance, tolerance_from(tolerance_mm))
     metadata |= checks.metadata() if checks else {}
     more = checks.attachments() if checks else []
     sink = RecordingSink(record, job, metadata, more, options.scan, job.facts["modal"]) if record else None
     plotting = Plotting(tolerance) if report else None
-    table = samples_file(job.machine.machine, report) if options.samples else None
-    result = dry_run(job, options, Both(sink, checks, table), plotting)
-    if table is not None:
-        table.close()
+    result = _measured(job, options, checks, sink, plotting, report)
     files = {"recording": shown(record) if record else None, "report": shown(report) if report else None}
     verdict, run = judged(result, tolerance_mm, files, checks)
-    if options.sweep:
-        from cnc_front.sweep import job_at, override_sweep
-
-        run["override_sweep"] = override_sweep(options.sweep, job_at(job, options, tolerance))
     optimal = None
-    if options.time_optimal and result.path is not None:
-        optimal = _optimal(job.program.sequence(), result.path, result.tracker, job.machine.machine, run["samples"])
-        run["time_optimal_s"] = optimal.seconds
+    if isinstance(job, CompiledJob):
+        if options.sweep:
+            from cnc_front.sweep import job_at, override_sweep
+
+            run["override_sweep"] = override_sweep(options.sweep, job_at(job, options, tolerance))
+        if options.time_optimal and result.path is not None:
+            sequence = job.program.sequence()
+            optimal = _optimal(sequence, result.path, result.tracker, job.machine.machine, run["samples"])
+            run["time_optimal_s"] = optimal.seconds
     if sink is not None:
         sink.finish(run)
-    if report is not None and plotting is not None:
+    if report is not None and plotting is not None and isinstance(job, CompiledJob):
         from cnc_front.report import write_report
 
         machine, events = job.machine.machine, events_of(result)
@@ -92,12 +95,29 @@ def run_and_write(
     return result, verdict, run
 
 
-def run_streamed(
-    job: StreamedJob, options: RunOptions, tolerance_mm: float | None
-) -> tuple[RunResult, Verdict, dict[str, Any]]:
-    """As run_and_write for a job that is translated while it runs, of which nothing is kept; raises as dry_run."""
-    result = dry_run(job, options)
-    return result, *judged(result, tolerance_mm, {"recording": None, "report": None})
+def _measured(
+    job: CompiledJob | StreamedJob,
+    options: RunOptions,
+    checks: Checks | None,
+    sink: RecordingSink | None,
+    plotting: Plotting | None,
+    report: Path | None,
+) -> RunResult:
+    """The run; what comes sample by sample is written, and the motion commands."""
+    table = samples_file(job.machine.machine, report) if options.samples else None
+    try:
+        result = dry_run(job, options, Both(sink, checks, table), plotting)
+        if sink is not None:
+            sink.add_commands()
+    except ValueError:
+        if isinstance(job, StreamedJob):
+            job.source.check_unchanged()  # half a program may be no path
+        raise
+    if isinstance(job, StreamedJob):
+        job.settle()
+    if table is not None:
+        table.close()
+    return result
 
 
 def samples_file(machine: native_kernel.Machine, report: Path | None) -> SamplesFile | None:
@@ -330,7 +350,9 @@ def tolerance_from(tolerance_mm: float | None) -> str:
     return "machine" if tolerance_mm is None else "option"
 
 
-def _metadata(job: CompiledJob, options: RunOptions, tolerance_mm: float, tolerance_from: str) -> dict[str, str]:
+def _metadata(
+    job: CompiledJob | StreamedJob, options: RunOptions, tolerance_mm: float, tolerance_from: str
+) -> dict[str, str]:
     """The arguments of a run that a report needs."""
     optional = {"stimulus": options.stimulus.text} if options.stimulus else {}
     if options.time_optimal:

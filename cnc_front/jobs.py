@@ -17,6 +17,8 @@ from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError
 from cnc_front.readiness import finding
 
+#: Motion blocks of a program whose path is held as a whole: about 1.3 kB each with what is measured on it.
+MOST_BLOCKS = 1_000_000
 #: Largest job that is read (GC106) and largest machine file, bytes.
 JOB_BYTES = 256 << 20
 MACHINE_BYTES = 1 << 20
@@ -70,6 +72,11 @@ class JobSource:
         text = self.data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         return text.count(b"\n") + (not text.endswith(b"\n")) if text else 0
 
+    @property
+    def content(self) -> bytes:
+        """The bytes, as a recording takes them."""
+        return self.data
+
     def text(self) -> str:
         """The text for people: UTF-8, else Windows-1252 as the dialect says."""
         try:
@@ -117,17 +124,17 @@ def read_bytes(path: str, limit: int, id: str, head: int | None = None) -> bytes
         # without O_NONBLOCK a named pipe would wait for a writer for ever
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
     except OSError as error:
-        raise _cannot_read(path, id, error.strerror or str(error)) from None
+        raise cannot_read(path, id, error.strerror or str(error)) from None
     if not stat.S_ISREG(os.fstat(handle).st_mode):
         os.close(handle)
-        raise _cannot_read(path, id, "not a regular file")
+        raise cannot_read(path, id, "not a regular file")
     before = os.fstat(handle)
     try:
         with os.fdopen(handle, "rb") as file:
             data = file.read(limit + 1 if head is None else head)
             after = os.fstat(handle)
     except OSError as error:  # a bad disk, a share that is gone
-        raise _cannot_read(path, id, error.strerror or str(error)) from None
+        raise cannot_read(path, id, error.strerror or str(error)) from None
     if head is not None:
         return data
     if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns) and id == "GC112":
@@ -139,7 +146,8 @@ def read_bytes(path: str, limit: int, id: str, head: int | None = None) -> bytes
     return data
 
 
-def _cannot_read(path: str, id: str, reason: str) -> CompileError:
+def cannot_read(path: str, id: str, reason: str) -> CompileError:
+    """What reading a file ends with."""
     message = f"file cannot be read: {reason}"
     return CompileError([Diagnostic(shown(path), 1, 1, 1, id, message, "check the path and its permissions")])
 
@@ -232,6 +240,14 @@ def compile_job(source: JobSource, machine: MachineFile, options: CompileOptions
     if program is None:
         raise CompileError(diagnostics)
     return CompiledJob(source, machine, program, diagnostics, facts)
+
+
+def check_held(path: str, blocks: int) -> None:
+    """Raises CompileError (CF203) for a path that is too long to be held as a whole."""
+    if blocks > MOST_BLOCKS:
+        message = f"a path of more than {MOST_BLOCKS} motion blocks is not held as a whole, as this needs it"
+        hint = "run it without (a verdict and --record take any length), or a part of it: --from, --to"
+        raise CompileError([Diagnostic(shown(path), 1, 1, 1, "CF203", message, hint)])
 
 
 def compile_autocode(

@@ -17,12 +17,13 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from cnc_front._native import gcode as native_gcode
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import recording as native
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError
 from cnc_front.execution import Happened, LogEntry
-from cnc_front.jobs import JobSource, MachineFile
+from cnc_front.jobs import MachineFile, check_held
 
 Columns = dict[str, Any]
 #: Keys of the run object that differ between two runs of the same input.
@@ -30,18 +31,32 @@ VOLATILE = ("wall_time_s", "files")
 JOB, MACHINE, SEQUENCE, RESULT, MODAL = "job", "machine.toml", "sequence.npz", "result.json", "modal.npz"
 
 
+#: Motion commands in an attachment of their columns: `sequence.npz`, `sequence.1.npz` and so on.
+PIECE = 1 << 16
+#: Changes of the modal state that a recording holds; of a program with more of them it holds none.
+MOST_CHANGES = native_gcode.MOST_CHANGES
+
+
 class Listed(Protocol):
     """What knows the motion commands of a job."""
 
-    def sequence(self) -> dict[str, NDArray[Any]]:
-        """Columns of toolpaths.Path."""
+    def pieces(self, rows: int) -> Iterator[dict[str, NDArray[Any]]]:
+        """Columns of toolpaths.Path, so many rows each; one piece at least."""
+
+
+class Source(Protocol):
+    """The text of a job."""
+
+    @property
+    def content(self) -> bytes | str:
+        """Its bytes, or the path of its file."""
 
 
 class Recordable(Protocol):
-    """A job that can be recorded (CompiledJob)."""
+    """A job that can be recorded (CompiledJob, StreamedJob)."""
 
     @property
-    def source(self) -> JobSource: ...
+    def source(self) -> Source: ...
     @property
     def machine(self) -> MachineFile: ...
     @property
@@ -63,11 +78,13 @@ class RecordingSink:
         """Creates the file, with `more` attachments (name, media type, bytes), a topic for scanned resources, and the
         changes of the modal state by source line; raises OSError."""
         machine = job.machine.machine
+        self._pieces = iter(job.program.pieces(PIECE))
+        self._written = 0
         attachments = [
-            (JOB, "text/plain", job.source.data),
+            (JOB, "text/plain", job.source.content),
             (MACHINE, "application/toml", job.machine.text.encode()),
-            (SEQUENCE, "application/x-npz", _pack(job.program.sequence())),
-            *([(MODAL, "application/x-npz", _pack_modal(modal))] if modal else []),
+            *filter(None, [self._piece()]),
+            *([(MODAL, "application/x-npz", _pack_modal(modal))] if 0 < len(modal) <= MOST_CHANGES else []),
             *(more or []),
         ]
         self.path = path
@@ -81,9 +98,24 @@ class RecordingSink:
             list(scan),
         )
 
+    def _piece(self) -> tuple[str, str, bytes] | None:
+        """The next piece of the sequence as an attachment."""
+        piece = next(self._pieces, None)
+        if piece is None:
+            return None
+        name = _piece_name(self._written)
+        self._written += 1
+        return name, "application/x-npz", _pack(piece)
+
+    def add_commands(self, last: int | None = None) -> None:
+        """Writes motion commands up to number `last` from 1, or all of them, as far as they are not there."""
+        while (last is None or self._written * PIECE < last) and (piece := self._piece()) is not None:
+            self._writer.attach(piece)
+
     def write(self, chunk: native_kernel.Chunk, deviation_mm: NDArray[np.float32], happened: Happened) -> None:
         """One chunk and the deviation of its load side per sample, and the events since the last one."""
         if len(chunk):
+            self.add_commands(int(chunk.entry.max()))
             self._writer.write(chunk, deviation_mm)
         for e in happened:
             if isinstance(e, LogEntry):
@@ -110,7 +142,6 @@ class Recorded:
     path: str
     job: bytes
     machine_text: str
-    sequence: dict[str, NDArray[Any]]
     metadata: dict[str, str]
     result: dict[str, Any] | None = None
     events: list[dict[str, Any]] = field(default_factory=list)
@@ -121,6 +152,16 @@ class Recorded:
     files: dict[str, bytes] = field(default_factory=dict)
     _reader: Any = None
     _first: Columns | None = None
+    _sequence: dict[str, NDArray[Any]] | None = None
+
+    @property
+    def sequence(self) -> dict[str, NDArray[Any]]:
+        """Columns of the motion commands, of a file that was cut off those up to there. Raises CompileError (CF203) for
+        more than can be held."""
+        assert self._sequence is not None
+        if len(self._sequence.get("kind", ())) == PIECE:
+            self._sequence = _joined(self._sequence, self.path)
+        return self._sequence
 
     def columns(self) -> Iterator[Columns]:
         """Chunks of columns in order; `events`, `result` and `damage` are complete afterwards."""
@@ -154,13 +195,35 @@ def open_recording(path: str) -> Recorded:
                 events.append(json.loads(value))
             else:
                 found[name] = value
-        sequence = _unpack(found[SEQUENCE])
+        sequence = _unpack(found.pop(SEQUENCE))
         job, machine, metadata = found[JOB], found[MACHINE].decode(), found["run"]
         result = json.loads(found[RESULT]) if RESULT in found else None
         modal = _unpack_modal(found[MODAL]) if MODAL in found else []
-    known = (JOB, MACHINE, SEQUENCE, RESULT, MODAL, "run")
-    files = {name: bytes(found[name]) for name in found if name not in known}
-    return Recorded(path, job, machine, sequence, metadata, result, events, reader.damage, modal, files, reader, first)
+    own = (JOB, MACHINE, RESULT, MODAL, "run")
+    files = {name: bytes(found[name]) for name in found if name not in own and not name.startswith("sequence.")}
+    return Recorded(path, job, machine, metadata, result, events, reader.damage, modal, files, reader, first, sequence)
+
+
+def _piece_name(number: int) -> str:
+    return f"sequence.{number}.npz" if number else SEQUENCE
+
+
+def _joined(first: dict[str, NDArray[Any]], path: str) -> dict[str, NDArray[Any]]:
+    """The pieces of a sequence, the first of which is known, as one."""
+    pieces = [first]
+    reader = native.Reader(path, attachments_only=True)
+    while (item := reader.next_item()) is not None:
+        if item[1] == _piece_name(len(pieces)):
+            check_held(path, (len(pieces) + 1) * PIECE)
+            pieces.append(_unpack(item[2]))
+    vias, radii = 0, 0
+    for piece in pieces:
+        piece["via_first"] += np.uint32(vias)
+        piece["effradius_of"] += np.uint16(radii)
+        vias, radii = vias + len(piece["via_line"]), radii + len(piece["effradius"])
+    if radii > np.iinfo(np.uint16).max:
+        raise ValueError("more effective radii than can be told apart")
+    return {name: first[name] if name == "start" else np.concatenate([p[name] for p in pieces]) for name in first}
 
 
 #: What reading a sound file with senseless content ends in.

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import toolpaths as native_paths
-from cnc_front.errors import CompileError
 from cnc_front.execution import End, Execution, Happened
 from cnc_front.jobs import CompiledJob, StimulusFile
 from cnc_front.schedule import Schedule
@@ -88,23 +87,7 @@ class RunResult:
 def dry_run(
     job: CompiledJob | StreamedJob, options: RunOptions, sink: Sink | None = None, watcher: Watcher | None = None
 ) -> RunResult:
-    """Runs a job to its end, or until something stops it, and measures it against its path.
-
-    A streamed job is settled here: raises CompileError and MustBeWhole, then the run was for nothing (design D24).
-    """
-    if isinstance(job, CompiledJob):
-        return _dry_run(job, options, sink, watcher)
-    try:
-        return _dry_run(job, options, sink, watcher)
-    except (CompileError, ValueError):
-        if not job.settled:
-            job.settle()  # an error in the text comes first
-        raise
-
-
-def _dry_run(
-    job: CompiledJob | StreamedJob, options: RunOptions, sink: Sink | None, watcher: Watcher | None
-) -> RunResult:
+    """Runs a job to its end, or until something stops it, and measures it against its path."""
     begun = time.monotonic()
     stimulus = options.stimulus.stimulus if options.stimulus else None
     path = native_paths.Path(job.program.sequence()) if isinstance(job, CompiledJob) else None
@@ -141,10 +124,7 @@ def _dry_run(
     if isinstance(job, StreamedJob):
         job.program.send_away(EXECUTES)
     summary = tracker.finish()
-    wall = time.monotonic() - begun
-    if isinstance(job, StreamedJob):
-        job.settle()
-    return RunResult(job, options, execution, summary, path, tracker, wall)
+    return RunResult(job, options, execution, summary, path, tracker, time.monotonic() - begun)
 
 
 def _tracker(

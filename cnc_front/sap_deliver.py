@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -120,9 +120,9 @@ class _Spooled:
         """Who knows the motion commands."""
         return self
 
-    def sequence(self) -> dict[str, Any]:
-        """Columns and stretches of all lanes."""
-        return _packed(self.paths)
+    def pieces(self, rows: int) -> Iterator[dict[str, Any]]:
+        """Columns and stretches of all lanes, as one piece."""
+        return iter([_packed(self.paths)])
 
 
 def _packed(paths: Paths) -> dict[str, Any]:

@@ -1,52 +1,45 @@
-"""Large part programs, translated while they are read: memory does not grow with them.
+"""Part programs, translated while they run: memory does not grow with them.
 
-A program that jumps, loops or calls has to look back: it is compiled whole, as are small ones, parts (--from, --to),
-and what a recording or a report needs. Findings, motion and result are the same either way.
+A program is checked from its beginning to its end; if it is sound, it is translated again, and its commands go to
+controller, measurement and recording as they come. Of one that jumps, loops or calls only the text is in memory. What
+needs the path as a whole (a report, a sweep ...) compiles a CompiledJob instead (cnc_front.jobs). Findings, motion,
+result and recording are the same either way.
 """
 
 from __future__ import annotations
 
 import hashlib
 import stat
+from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from cnc_front._native import gcode as native_gcode
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import CompileError
-from cnc_front.jobs import CompileOptions, MachineFile, language_at, shown
+from cnc_front.jobs import CompileOptions, MachineFile, cannot_read, language_at, shown
 from cnc_front.readiness import finding
 
-#: Programs up to this size are compiled whole, bytes: it takes little memory and the text is at hand.
-WHOLE_BYTES = 1 << 20
 #: Bytes that are read at a time.
 BLOCK = 1 << 20
-#: Who takes the commands of a stream: the controller, and the tracker that measures it.
-EXECUTES, MEASURES = 0, 1
+#: Who takes the commands of a stream: the controller, the tracker that measures it, and a recording.
+EXECUTES, MEASURES, RECORDS = 0, 1, 2
 
 
-class MustBeWhole(Exception):
-    """The program jumps, loops or calls: what was begun counts for nothing."""
-
-
-def streams(path: str, options: CompileOptions) -> bool:
-    """True for a part program that is large, and wanted from its beginning to its end."""
-    if options.start or options.stop or options.strict or options.mdi or options.dry_feed is not None:
-        return False
+def streams(path: str, language: str | None) -> bool:
+    """True for the file of a part program. Raises CompileError (GC106) for one that is too large even for this."""
     try:
         status = Path(path).stat()
     except OSError:
         return False
-    size = status.st_size
-    fits = stat.S_ISREG(status.st_mode) and WHOLE_BYTES < size <= native_gcode.MOST_BYTES
-    return fits and language_at(path, options.language) == "din66025"
-
-
-def _stamp(path: str) -> tuple[int, int]:
-    status = Path(path).stat()
-    return status.st_size, status.st_mtime_ns
+    if not stat.S_ISREG(status.st_mode) or language_at(path, language) != "din66025":
+        return False
+    if status.st_size > native_gcode.MOST_BYTES:
+        raise CompileError([finding(shown(path), "GC106", native_gcode.MOST_BYTES >> 20)])
+    return True
 
 
 class FileSource:
@@ -55,10 +48,23 @@ class FileSource:
     language = "din66025"
 
     def __init__(self, path: str) -> None:
-        """Raises OSError."""
+        """Raises CompileError (GC112)."""
         self.path = path
-        self._stamp = _stamp(path)
         self._read: Future[tuple[str, int]] | None = None
+        with self._reading():
+            self._stamp = self._status()
+
+    @contextmanager
+    def _reading(self) -> Iterator[None]:
+        """A disk that fails is a fault of the job (GC112), not of what is written."""
+        try:
+            yield
+        except OSError as error:
+            raise cannot_read(self.path, "GC112", error.strerror or str(error)) from None
+
+    def _status(self) -> tuple[int, ...]:
+        status = Path(self.path).stat()
+        return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns
 
     def count(self) -> None:
         """Begins to count, in a thread."""
@@ -69,17 +75,29 @@ class FileSource:
     def check_unchanged(self) -> None:
         """Raises CompileError (GC114) if the file is not what it was."""
         try:
-            same = _stamp(self.path) == self._stamp
+            same = self._status() == self._stamp
         except OSError:
             same = False
         if not same:
             raise CompileError([finding(shown(self.path), "GC114")])
 
+    @contextmanager
+    def used(self) -> Iterator[None]:
+        """Whoever uses what is read from the file does it in here: raises CompileError (GC114, GC112)."""
+        try:
+            with self._reading():
+                yield
+        except (CompileError, ValueError):
+            self.check_unchanged()  # it explains all else
+            raise
+        self.check_unchanged()
+
     def _counted(self) -> tuple[str, int]:
         if self._read is None:
             self.count()
         assert self._read is not None
-        return self._read.result()
+        with self._reading():
+            return self._read.result()
 
     @property
     def sha256(self) -> str:
@@ -90,6 +108,11 @@ class FileSource:
     def lines(self) -> int:
         """Lines of the text, by its line ends."""
         return self._counted()[1]
+
+    @property
+    def content(self) -> str:
+        """Where the text is."""
+        return self.path
 
 
 def _hash_and_lines(path: str) -> tuple[str, int]:
@@ -104,78 +127,66 @@ def _hash_and_lines(path: str) -> tuple[str, int]:
     return digest.hexdigest(), lines + (last not in (b"", b"\n", b"\r"))
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class StreamedJob:
-    """A program that is translated while it runs. `warnings` and `facts` are known once it is `settle`d."""
+    """A sound program that is translated while it runs."""
 
     source: FileSource
     machine: MachineFile
     program: native_gcode.Stream
-    warnings: tuple[Diagnostic, ...] = ()
-    facts: dict[str, Any] = field(default_factory=lambda: {"start": None})
-    settled: bool = False
+    warnings: tuple[Diagnostic, ...]
+    facts: dict[str, Any]
+    #: who takes the commands
+    users: tuple[int, ...]
 
     def settle(self) -> None:
         """The run needs no more commands: waits for the end of the translation.
 
-        Raises CompileError for errors in the text and for a file that changed meanwhile, MustBeWhole, OSError.
+        Raises CompileError for a file that changed meanwhile or that a disk failed to give.
         """
-        self.settled = True
-        for user in (EXECUTES, MEASURES):
-            self.program.send_away(user)
-        found = self.program.finish()
-        self.source.check_unchanged()
-        self.warnings, self.facts = judged(found)
+        with self.source.used():
+            for user in self.users:
+                self.program.send_away(user)
+            _sound(self.program.finish()[0])
 
 
-def judged(
-    found: tuple[list[tuple[str, int, int, int, str, str, str]], dict[str, Any]] | None,
-) -> tuple[tuple[Diagnostic, ...], dict[str, Any]]:
-    """Warnings and facts of a translation; raises MustBeWhole, CompileError."""
-    if found is None:
-        raise MustBeWhole
-    rows, facts = found
+def _sound(rows: list[tuple[str, int, int, int, str, str, str]]) -> tuple[Diagnostic, ...]:
+    """The warnings of a program without errors; raises CompileError."""
     diagnostics = tuple(Diagnostic(*row) for row in rows)
-    if any(not d.is_warning for d in diagnostics):
-        raise CompileError(diagnostics)
-    return diagnostics, facts
-
-
-def _switches(options: CompileOptions) -> dict[str, Any]:
-    return {
-        "profile": options.profile,
-        "optional_stop": options.optional_stop,
-        "block_delete": list(options.block_delete),
-    }
-
-
-def begin(path: str, machine: MachineFile, options: CompileOptions) -> StreamedJob:
-    """Begins to translate a program for a run; raises OSError."""
-    source = FileSource(path)
-    program = native_gcode.Stream(path, shown(path), machine.machine, **_switches(options))
-    source.count()
-    return StreamedJob(source, machine, program)
-
-
-def check(path: str, machine: MachineFile, options: CompileOptions) -> tuple[Diagnostic, ...]:
-    """All findings of a program; raises MustBeWhole, CompileError (GC114), OSError."""
-    source = FileSource(path)
-    found = native_gcode.check_once(path, shown(path), machine.machine, **_switches(options))
-    source.check_unchanged()
-    if found is None:
-        raise MustBeWhole
-    return tuple(Diagnostic(*row) for row in found[0])
-
-
-def sound(path: str, machine: MachineFile, options: CompileOptions) -> tuple[Diagnostic, ...]:
-    """The warnings of a program without errors; raises as `check`, and CompileError."""
-    diagnostics = check(path, machine, options)
     if any(not d.is_warning for d in diagnostics):
         raise CompileError(diagnostics)
     return diagnostics
 
 
-def listing(path: str, machine: MachineFile, options: CompileOptions, *, json: bool) -> native_gcode.StreamListing:
-    """The listing of a program that was checked, piece by piece while it is translated; raises OSError."""
-    program = native_gcode.Stream(path, shown(path), machine.machine, users=1, **_switches(options))
-    return program.listing(path, json)
+def check(path: str, machine: MachineFile, options: CompileOptions) -> tuple[Diagnostic, ...]:
+    """All findings of a program; raises CompileError (GC114, GC112)."""
+    source = FileSource(path)
+    with source.used():
+        rows, _ = native_gcode.check_once(path, shown(path), machine.machine, options)
+    return tuple(Diagnostic(*row) for row in rows)
+
+
+def sound(
+    source: FileSource, machine: MachineFile, options: CompileOptions
+) -> tuple[tuple[Diagnostic, ...], dict[str, Any]]:
+    """Warnings and facts of a program without errors; raises CompileError."""
+    with source.used():
+        rows, facts = native_gcode.check_once(source.path, shown(source.path), machine.machine, options)
+        return _sound(rows), facts
+
+
+def begin(source: FileSource, machine: MachineFile, options: CompileOptions, *, recorded: bool) -> StreamedJob:
+    """Checks a program and begins to translate it for a run, which is `recorded` or not; raises CompileError."""
+    source.count()
+    warnings, facts = sound(source, machine, options)
+    users = (EXECUTES, MEASURES, RECORDS) if recorded else (EXECUTES, MEASURES)
+    program = native_gcode.Stream(source.path, shown(source.path), machine.machine, options, len(users))
+    return StreamedJob(source, machine, program, warnings, facts, users)
+
+
+def listing(source: FileSource, machine: MachineFile, options: CompileOptions, *, json: bool) -> Iterator[str]:
+    """The listing of a sound program, piece by piece while it is translated; raises CompileError (GC114, GC112)."""
+    with source.used():
+        program = native_gcode.Stream(source.path, shown(source.path), machine.machine, options, 1)
+        yield from program.listing(source.path, json)
+        _sound(program.finish()[0])

@@ -1,15 +1,46 @@
 from collections.abc import Sequence
-from typing import Any, final
+from typing import Any, Protocol, final
 
 from numpy.typing import NDArray
 
 from cnc_front._native.motion_kernel import Machine
 
-__all__ = ["MOST_BYTES", "Listing", "Program", "Stream", "StreamListing", "catalogue", "check_once", "compile"]
+__all__ = [
+    "MOST_BYTES",
+    "Listing",
+    "Pieces",
+    "Program",
+    "Stream",
+    "StreamListing",
+    "catalogue",
+    "check_once",
+    "compile",
+]
 
 MOST_BYTES: int
+MOST_CHANGES: int
 
-_Found = tuple[list[tuple[str, int, int, int, str, str, str]], dict[str, Any]] | None
+_Found = tuple[list[tuple[str, int, int, int, str, str, str]], dict[str, Any]]
+
+class _Options(Protocol):
+    """cnc_front.jobs.CompileOptions."""
+
+    @property
+    def profile(self) -> str | None: ...
+    @property
+    def optional_stop(self) -> bool: ...
+    @property
+    def block_delete(self) -> Sequence[int]: ...
+    @property
+    def start(self) -> str | None: ...
+    @property
+    def stop(self) -> str | None: ...
+    @property
+    def strict(self) -> bool: ...
+    @property
+    def dry_feed(self) -> float | None: ...
+    @property
+    def mdi(self) -> bool: ...
 
 @final
 class Listing:
@@ -17,32 +48,29 @@ class Listing:
     def __next__(self) -> str: ...
 
 @final
+class Pieces:
+    def __iter__(self) -> Pieces: ...
+    def __next__(self) -> dict[str, NDArray[Any]]: ...
+
+@final
 class Program:
     def counts(self) -> list[tuple[str, int]]: ...
     def event(self, number: int) -> tuple[int, str, str] | None: ...
     def events(self) -> list[tuple[int, str, str]]: ...
     def listing(self, source: bytes, json: bool) -> Listing: ...
+    def pieces(self, rows: int) -> Pieces: ...
     def sequence(self) -> dict[str, NDArray[Any]]: ...
 
 @final
 class Stream:
-    def __new__(
-        cls,
-        path: str,
-        filename: str,
-        machine: Machine,
-        *,
-        users: int = 2,
-        profile: str | None = None,
-        optional_stop: bool = False,
-        block_delete: Sequence[int] = ...,
-    ) -> Stream: ...
+    def __new__(cls, path: str, filename: str, machine: Machine, options: _Options, users: int) -> Stream: ...
     def __iter__(self) -> Stream: ...
     def __next__(self) -> Program: ...
     def counts(self) -> list[tuple[str, int]]: ...
     def event(self, number: int) -> tuple[int, str, str] | None: ...
     def finish(self) -> _Found: ...
     def listing(self, path: str, json: bool) -> StreamListing: ...
+    def pieces(self, rows: int) -> Pieces: ...
     def send_away(self, user: int) -> None: ...
 
 @final
@@ -50,15 +78,7 @@ class StreamListing:
     def __iter__(self) -> StreamListing: ...
     def __next__(self) -> str: ...
 
-def check_once(
-    path: str,
-    filename: str,
-    machine: Machine,
-    *,
-    profile: str | None = None,
-    optional_stop: bool = False,
-    block_delete: Sequence[int] = ...,
-) -> _Found: ...
+def check_once(path: str, filename: str, machine: Machine, options: _Options) -> _Found: ...
 def catalogue() -> list[tuple[str, str, str]]: ...
 def compile(
     source: bytes,

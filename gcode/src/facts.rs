@@ -35,8 +35,8 @@ pub struct Facts {
     pub start: Option<Start>,
     /// It jumps, loops or calls: commands do not come in the order of the lines.
     pub looks_back: bool,
-    /// `modal` and `feeds` are wanted; they grow with the program.
-    pub by_line: bool,
+    /// Changes that `modal` and `feeds` are to hold; a longer list is empty.
+    pub most_changes: usize,
 }
 
 impl Facts {
@@ -55,12 +55,12 @@ impl Facts {
             lines: 0,
             start: None,
             looks_back: false,
-            by_line: true,
+            most_changes: usize::MAX,
         }
     }
     /// Notes the modal codes of a line.
     pub fn modal_changed(&mut self, line: u32, codes: Codes) {
-        if !self.by_line {
+        if self.modal.len() > self.most_changes {
             return;
         }
         let texts = &mut self.modal_texts;
@@ -72,8 +72,17 @@ impl Facts {
     }
     /// Notes the feed of a line, mm/min or degree/min.
     pub fn feed_changed(&mut self, line: u32, feed: f64) {
-        if self.by_line {
+        if self.feeds.len() <= self.most_changes {
             note(&mut self.feeds, line, feed);
+        }
+    }
+    /// Nothing more comes.
+    pub fn settle(&mut self) {
+        if self.modal.len() > self.most_changes {
+            self.modal = Vec::new();
+        }
+        if self.feeds.len() > self.most_changes {
+            self.feeds = Vec::new();
         }
     }
     /// Notes a tool change; a loop of them is not remembered for ever.

@@ -24,6 +24,9 @@ const HEAD: usize = 4096;
 /// A text whose lines do not end for so long is none that can be read in windows.
 const MOST_HELD: usize = 1 << 20;
 
+/// Changes by line of a program that is read in windows (`Facts::most_changes`).
+pub const MOST_CHANGES: usize = 50_000;
+
 /// A text from its beginning.
 pub type Input<'r> = Box<dyn Read + Send + 'r>;
 /// Opens a text, as often as it is called.
@@ -160,7 +163,7 @@ pub fn compile_once(
     let mut reports = Reports::new(options.limits.errors);
     let files = Files::default();
     let mut translator = Translator::new(machine, options);
-    translator.facts.by_line = false;
+    translator.facts.most_changes = MOST_CHANGES;
     translator.sink.deliver = deliver;
     if !begins {
         let text = whole(open, options.limits.held)?;

@@ -8,9 +8,6 @@ use motion_kernel::machine::Machine;
 
 use crate::sequence::{Radii, SequenceColumns, Sequencer};
 
-/// Commands of a piece; only the last one has fewer.
-pub const PIECE: usize = 1 << 16;
-
 /// Columns of a program, piece by piece. Each stands for itself: its `start` is where the one before ends.
 pub struct Pieces {
     sequencer: Sequencer,
@@ -21,11 +18,8 @@ pub struct Pieces {
 }
 
 impl Pieces {
-    pub fn new(machine: &Machine) -> Self {
-        Pieces::of(machine, PIECE)
-    }
-    /// Pieces of another size.
-    pub fn of(machine: &Machine, size: usize) -> Self {
+    /// Pieces of `size` commands; only the last one has fewer.
+    pub fn new(machine: &Machine, size: usize) -> Self {
         let start: Vec<f64> = machine.axes.iter().map(|axis| axis.start).collect();
         let open = SequenceColumns { axes: start.len(), start, ..SequenceColumns::default() };
         Pieces { sequencer: Sequencer::new(machine), size, full: VecDeque::new(), open: Some(open) }

@@ -301,6 +301,7 @@ impl<'a> Translator<'a> {
     }
     /// Facts that are known only at the end.
     pub fn settle_facts(&mut self) {
+        self.facts.settle();
         self.facts.merged = self.sink.merged;
         for slot in 0..SLOTS {
             self.facts.low[slot] = self.facts.low[slot].min(self.sink.low[slot]);

@@ -86,8 +86,9 @@ fn a_program_that_looks_back_goes_on_in_its_text() {
         "GOTO 6\n",
     ];
     let end = "N5000 G1 X20\nM30\nO5\nG91 G1 X1\nG90\nM99\nO6\nM98 P5\nM99\nO8\nM99\n";
+    let limits = gcode::Limits { idle_blocks: 3000, commands: 5000, ..gcode::Limits::default() };
     for strict in [false, true] {
-        let options = Options { strict, ..Options::default() };
+        let options = Options { strict, limits, ..Options::default() };
         for middle in middles {
             for (window, every) in [(1, 3), (4096, 100)] {
                 assert!(!same_once(&long(middle, end), &mill3(), &options, window, every), "{middle:?}");

@@ -12,12 +12,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from cnc_front import streaming
+import toolpaths
+from cnc_front import jobs, recording, streaming
 from cnc_front.cli import run_command_line
-from cnc_front.jobs import JobSource
-from cnc_front.streaming import FileSource, _hash_and_lines
+from cnc_front.jobs import CompileOptions, JobSource, compile_job, load_machine, read_job
+from cnc_front.recording import open_recording
+from cnc_front.streaming import FileSource, _hash_and_lines, streams
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "examples" / "jobs").glob("*.nc"))
@@ -27,10 +30,10 @@ Run = Callable[..., tuple[int, str, str]]
 
 @pytest.fixture
 def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Runs a command with every program streamed, or compiled whole."""
+    """Runs a command with a program streamed, or compiled whole."""
 
     def call(*arguments: object, whole: bool = False) -> tuple[int, str, str]:
-        monkeypatch.setattr(streaming, "WHOLE_BYTES", 1 << 40 if whole else 0)
+        monkeypatch.setattr(streaming, "streams", (lambda *_: False) if whole else streams)
         capsys.readouterr()
         code = run_command_line([str(a) for a in arguments])
         out, err = capsys.readouterr()
@@ -204,6 +207,76 @@ def test_memory_does_not_grow_with_the_program(tmp_path: Path, command: list[str
     for thousands in (60, 300):
         part = tmp_path / f"{thousands}.nc"
         part.write_text(f"G21 G90 G1 F6000\n{rows * thousands}M30\n")
-        assert part.stat().st_size > streaming.WHOLE_BYTES
         peaks.append(peak_mib(*command, str(part)))
     assert peaks[1] < peaks[0] + 25, peaks
+
+
+@pytest.mark.parametrize("part", [["--from", "N20"], ["--to", "300"], ["--from", "150", "--to", "N700"]], ids=" ".join)
+def test_parts_are_the_same(tmp_path: Path, run: Run, part: list[str]) -> None:
+    head = "T2 M6\nM3 S900\nG0 X3\nN20 G1 X5 F5000\n"
+    (tmp_path / "part.nc").write_text(head + zigzag(600, "M8\nN700 X1\n"))
+    for command in (["run", "--json"], ["check"], ["translate"], ["translate", "--json"]):
+        streamed, whole = (run(*command, *part, tmp_path / "part.nc", whole=whole) for whole in (False, True))
+        if command[0] == "run":
+            assert result(streamed[1]) == result(whole[1])
+            streamed, whole = (streamed[0], "", streamed[2]), (whole[0], "", whole[2])
+        assert streamed == whole and streamed[0] == 0, command
+
+
+def test_the_linter_finds_the_same(tmp_path: Path, run: Run) -> None:
+    smells = "X1 F60\nX2 F6000\nG0 Z50\nZ1\nX0\nG1 X0 Y0\nG2 X0.01 Y0 R50\nG1 X1\n"
+    (tmp_path / "part.nc").write_text(zigzag(400, smells, "M98 P7\nM30\nO5\nM99\nO6\nM99\nO7\nM99\n"))
+    (tmp_path / "line.nc").write_text(zigzag(400, smells, "M30\nO5\nM99\nO6\nM99\n"))
+    for name in ("part.nc", "line.nc"):
+        streamed, whole = (run("check", "--strict", tmp_path / name, whole=whole) for whole in (False, True))
+        assert streamed == whole
+        assert all(smell in streamed[2] for smell in ("GW941", "GW942", "GW943", "GW944")), streamed[2]
+
+
+@pytest.mark.parametrize("rows", [1 << 16, 100, 7])
+def test_a_recording_is_the_same_to_the_last_byte(
+    tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch, rows: int
+) -> None:
+    monkeypatch.setattr(recording, "PIECE", rows)
+    text = zigzag(500, "M98 P7 L3\n(MSG, half)\nG1 X3 F60000\nX3.001\nX3.002\nX9\n", "M30\nO7\nG91 X1 Y1\nG90\nM99\n")
+    (tmp_path / "part.nc").write_text(text)
+    for arguments in ([], ["--max-time", "3"], ["--from", "20", "--to", "400"]):
+        files = [tmp_path / f"{name}.mcap" for name in ("streamed", "whole")]
+        for path, whole in zip(files, (False, True), strict=True):
+            run("run", "--record", path, *arguments, tmp_path / "part.nc", whole=whole)
+        assert files[0].read_bytes() == files[1].read_bytes()
+    job = compile_job(read_job(str(tmp_path / "part.nc")), load_machine(None), CompileOptions(start="20", stop="400"))
+    whole_path, recorded = toolpaths.Path(job.program.sequence()), open_recording(str(files[0]))
+    path = toolpaths.Path(recorded.sequence)
+    assert path.length_mm == whole_path.length_mm and path.merged == whole_path.merged
+    blocks = whole_path.blocks()
+    assert all(np.array_equal(column, blocks[name]) for name, column in path.blocks().items())
+    assert run("report", files[0], tmp_path / f"r{rows}")[0] == 0
+
+
+def test_radii_in_pieces(tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recording, "PIECE", 5)
+    machine = (ROOT / "examples" / "machines" / "mill4c.toml").read_text()
+    (tmp_path / "machine.toml").write_text(machine)
+    turns = "".join(f"G7.1 C{radius}\nG1 C{radius + 40}\nG7.1 C0\nG1 C0\n" for radius in (20, 25, 20, 30))
+    (tmp_path / "part.nc").write_text(zigzag(30, turns))
+    assert run("run", "--record", tmp_path / "a.mcap", tmp_path / "part.nc")[0] == 0
+    job = compile_job(
+        read_job(str(tmp_path / "part.nc")), load_machine(str(tmp_path / "machine.toml")), CompileOptions()
+    )
+    blocks = toolpaths.Path(job.program.sequence()).blocks()
+    found = toolpaths.Path(open_recording(str(tmp_path / "a.mcap")).sequence).blocks()
+    assert all(np.array_equal(column, blocks[name]) for name, column in found.items())
+
+
+def test_a_path_that_is_too_long_to_be_held_is_told(tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    part = tmp_path / "part.nc"
+    part.write_text(zigzag(600))
+    monkeypatch.setattr(recording, "PIECE", 100)
+    assert run("run", part, "--record", tmp_path / "r.mcap")[0] == 0
+    monkeypatch.setattr(jobs, "MOST_BLOCKS", 500)
+    for arguments in (["--report", tmp_path / "r"], ["--time-optimal"], ["--override-sweep", "0.5:1:0.5"]):
+        code, _, err = run("run", part, *arguments)
+        assert code == 2 and "CF203" in err and "--from" in err and not (tmp_path / "r").exists()
+    assert run("report", tmp_path / "r.mcap", tmp_path / "r")[0] == 2
+    assert run("run", part, "--record", tmp_path / "r.mcap")[0] == 0

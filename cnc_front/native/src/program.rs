@@ -18,9 +18,9 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Program>()?;
     module.add_class::<Listing>()?;
     module.add_class::<Pieces>()?;
-    module.add("PIECE", gcode::PIECE)?;
     module.add_class::<Stream>()?;
     module.add_class::<crate::stream::StreamListing>()?;
+    module.add("MOST_CHANGES", gcode::MOST_CHANGES)?;
     module.add("MOST_BYTES", crate::stream::MOST_BYTES)?;
     module.add_function(wrap_pyfunction!(crate::stream::check_once, module)?)?;
     module.add_function(wrap_pyfunction!(catalogue, module)?)?;
@@ -222,10 +222,10 @@ impl Program {
         let columns = py.detach(|| gcode::sequence(&self.inner, &self.machine));
         columns_dict(py, columns)
     }
-    /// The same in pieces of PIECE rows, for a recording.
-    fn pieces(&self) -> Pieces {
+    /// The same in pieces of so many rows, for a recording.
+    fn pieces(&self, rows: usize) -> Pieces {
         let mut program = Some(self.inner.clone());
-        Pieces::new(self.machine.clone(), move || program.take())
+        Pieces::new(self.machine.clone(), rows, move || program.take())
     }
 }
 
@@ -266,9 +266,10 @@ pub struct Pieces {
 impl Pieces {
     pub fn new(
         machine: Arc<machine::Machine>,
+        rows: usize,
         next: impl FnMut() -> Option<Arc<autocode::Program>> + Send + 'static,
     ) -> Pieces {
-        Pieces { state: Mutex::new((gcode::Pieces::new(&machine), Box::new(next))), machine }
+        Pieces { state: Mutex::new((gcode::Pieces::new(&machine, rows.max(1)), Box::new(next))), machine }
     }
 }
 

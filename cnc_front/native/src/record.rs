@@ -8,7 +8,7 @@ use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use recording::{Attached, Columns, ColumnsView, Error, Header, Item};
+use recording::{Attached, Columns, ColumnsView, Content, Error, Header, Item};
 
 use crate::chunk::Chunk;
 
@@ -36,19 +36,18 @@ pub struct Writer {
 
 #[pymethods]
 impl Writer {
-    /// Attachments are (name, media type, bytes). `resolution`: axis units per count of the encoders. Raises OSError.
+    /// Attachments are (name, media type, bytes or the path of a file). `resolution`: axis units per count of the encoders. Raises OSError.
     #[new]
     #[pyo3(signature = (path, axes, sample_time_s, attachments, metadata, resolution=Vec::new(), scan=Vec::new()))]
     fn new(
         path: PathBuf,
         axes: Vec<String>,
         sample_time_s: f64,
-        attachments: Vec<(String, String, Vec<u8>)>,
+        attachments: Vec<(String, String, Given)>,
         metadata: BTreeMap<String, String>,
         resolution: Vec<f64>,
         scan: Vec<String>,
     ) -> PyResult<Writer> {
-        let attached = |(name, media_type, data)| Attached { name, media_type, data };
         let attachments = attachments.into_iter().map(attached).collect();
         let header = Header { axes, sample_time_s, resolution, attachments, metadata, scan };
         let inner = recording::Writer::create(&path, &header).map_err(|e| raise(e, &path))?;
@@ -93,11 +92,32 @@ impl Writer {
         py.detach(|| writer.write_event(t_s, json)).map_err(|e| raise(e, &self.path))
     }
 
+    /// Attaches another file: (name, media type, bytes or the path of a file).
+    fn attach(&mut self, py: Python<'_>, file: (String, String, Given)) -> PyResult<()> {
+        let writer = self.inner.as_mut().ok_or_else(closed)?;
+        py.detach(|| writer.attach(attached(file))).map_err(|e| raise(e, &self.path))
+    }
+
     /// Adds the result object and closes the file.
     fn finish(&mut self, py: Python<'_>, result_json: &str) -> PyResult<()> {
         let writer = self.inner.take().ok_or_else(closed)?;
         py.detach(|| writer.finish(result_json)).map_err(|e| raise(e, &self.path))
     }
+}
+
+/// Bytes, or the path of a file.
+#[derive(FromPyObject)]
+enum Given {
+    Bytes(Vec<u8>),
+    File(PathBuf),
+}
+
+fn attached((name, media_type, given): (String, String, Given)) -> Attached<Content> {
+    let data = match given {
+        Given::Bytes(bytes) => Content::Bytes(bytes),
+        Given::File(path) => Content::File(path),
+    };
+    Attached { name, media_type, data }
 }
 
 fn closed() -> PyErr {
@@ -114,9 +134,12 @@ pub struct Reader {
 
 #[pymethods]
 impl Reader {
+    /// With `attachments_only` nothing is told of samples and events.
     #[new]
-    fn new(path: PathBuf) -> PyResult<Reader> {
-        let inner = recording::Reader::open(&path).map_err(|e| raise(e, &path))?;
+    #[pyo3(signature = (path, attachments_only=false))]
+    fn new(path: PathBuf, attachments_only: bool) -> PyResult<Reader> {
+        let open = if attachments_only { recording::Reader::attachments } else { recording::Reader::open };
+        let inner = open(&path).map_err(|e| raise(e, &path))?;
         Ok(Reader { inner: Mutex::new(inner), path })
     }
     /// Why reading ended before the end of the file, if it did.

@@ -148,10 +148,10 @@ impl Stream {
         let state = Mutex::new((sheet, this.user(EXECUTES)?, None));
         Ok(StreamListing { machine: this.machine.clone(), state, _stream: this.into() })
     }
-    /// The motion commands as columns in pieces of PIECE rows, for a recording.
-    fn pieces(&self) -> PyResult<Pieces> {
+    /// The motion commands as columns in pieces of so many rows, for a recording.
+    fn pieces(&self, rows: usize) -> PyResult<Pieces> {
         let mut segments = self.user(RECORDS)?;
-        Ok(Pieces::new(self.machine.clone(), move || segments.next()))
+        Ok(Pieces::new(self.machine.clone(), rows, move || segments.next()))
     }
     /// Waits for the end of the translation: findings and facts as of `check_once`, once. Raises OSError.
     fn finish<'py>(&self, py: Python<'py>) -> PyResult<Found<'py>> {

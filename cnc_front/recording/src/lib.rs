@@ -2,7 +2,8 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | job and machine text, translated sequence, modal states, run arguments | attachments at the start: a file cut off later still has them |
+//! | job and machine text, modal states, run arguments, translated sequence | attachments at the start: a file cut off later still has them |
+//! | a sequence of more than 65,536 commands | further attachments `sequence.1.npz` ..., each before the samples that are on it |
 //! | every sample, full rate | topic `/columns`, about 1,000 samples a message, packed ([`columns`]) |
 //! | a thinned channel for plots | topic `/state`, JSON, one message a sample |
 //! | alarms, outputs, what the program announced | topic `/events`, JSON |
@@ -21,7 +22,7 @@ mod writer;
 
 pub use columns::{Columns, ColumnsView};
 pub use reader::{Item, Reader};
-pub use writer::{Attached, Header, Writer};
+pub use writer::{Attached, Content, Header, Writer};
 
 use std::fmt;
 

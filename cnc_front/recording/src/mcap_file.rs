@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Read};
 use std::path::Path;
 
-use mcap::records::MessageHeader;
+use mcap::records::{AttachmentHeader, MessageHeader};
 
 use crate::columns::ColumnsView;
-use crate::writer::{Attached, Header};
+use crate::writer::{Attached, Content, Header};
 use crate::{COLUMNS, EVENTS, Error, PROFILE, SCAN, STATE, scan, state};
 
 /// Samples per `/columns` message.
@@ -51,7 +51,7 @@ impl McapFile {
             .compression_threads(0);
         let mut mcap = options.create(BufWriter::with_capacity(1 << 20, File::create(path)?))?;
         for attached in &header.attachments {
-            attach(&mut mcap, attached, 0)?;
+            attach(&mut mcap, attached)?;
         }
         let metadata = mcap::records::Metadata { name: "run".to_owned(), metadata: header.metadata.clone() };
         mcap.write_metadata(&metadata)?;
@@ -128,14 +128,19 @@ impl McapFile {
         self.message(2, channel, nanoseconds(t_s), json.as_bytes())
     }
 
+    /// Attaches a file, behind what was written so far.
+    pub fn attach(&mut self, attached: &Attached<Content>) -> Result<(), Error> {
+        attach(&mut self.mcap, attached)
+    }
+
     /// Adds the result and closes the file.
     pub fn finish(mut self, result_json: &str) -> Result<(), Error> {
         let result = Attached {
             name: "result.json".to_owned(),
             media_type: "application/json".to_owned(),
-            data: result_json.as_bytes().to_vec(),
+            data: Content::Bytes(result_json.as_bytes().to_vec()),
         };
-        attach(&mut self.mcap, &result, 0)?;
+        self.attach(&result)?;
         self.mcap.finish()?;
         self.mcap.into_inner().into_inner().map_err(|error| Error::Io(error.into_error()))?;
         Ok(())
@@ -157,13 +162,26 @@ fn nanoseconds(t_s: f64) -> u64 {
     (t_s * 1e9).round() as u64
 }
 
-fn attach(mcap: &mut mcap::Writer<BufWriter<File>>, attached: &Attached, time_ns: u64) -> Result<(), Error> {
-    let attachment = mcap::Attachment {
-        log_time: time_ns,
-        create_time: time_ns,
-        name: attached.name.clone(),
-        media_type: attached.media_type.clone(),
-        data: attached.data.as_slice().into(),
-    };
-    Ok(mcap.attach(&attachment)?)
+fn attach(mcap: &mut mcap::Writer<BufWriter<File>>, attached: &Attached<Content>) -> Result<(), Error> {
+    let Attached { name, media_type, data } = attached;
+    let header = AttachmentHeader { log_time: 0, create_time: 0, name: name.clone(), media_type: media_type.clone() };
+    match data {
+        Content::Bytes(bytes) => {
+            mcap.start_attachment(bytes.len() as u64, header)?;
+            mcap.put_attachment_bytes(bytes)?;
+        }
+        Content::File(path) => {
+            let mut file = File::open(path)?;
+            let mut left = file.metadata()?.len();
+            mcap.start_attachment(left, header)?;
+            let mut piece = vec![0; 1 << 16];
+            while left > 0 {
+                let most = piece.len().min(left as usize);
+                file.read_exact(&mut piece[..most])?;
+                mcap.put_attachment_bytes(&piece[..most])?;
+                left -= most as u64;
+            }
+        }
+    }
+    Ok(mcap.finish_attachment()?)
 }

@@ -4,7 +4,7 @@
 //! itself. Records reach the file in the order of the calls, so the same run gives the same bytes.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::thread::{Builder, JoinHandle};
@@ -15,10 +15,18 @@ use crate::mcap_file::McapFile;
 
 /// A file inside the recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Attached {
+pub struct Attached<D = Vec<u8>> {
     pub name: String,
     pub media_type: String,
-    pub data: Vec<u8>,
+    pub data: D,
+}
+
+/// The content of a file to be attached.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Content {
+    Bytes(Vec<u8>),
+    /// It is copied piece by piece.
+    File(PathBuf),
 }
 
 /// What is known before the run.
@@ -30,7 +38,7 @@ pub struct Header {
     /// Axis units per count of the encoders, as far as it is known: positions are then packed as counts.
     pub resolution: Vec<f64>,
     /// Job, machine file, sequence.
-    pub attachments: Vec<Attached>,
+    pub attachments: Vec<Attached<Content>>,
     /// Arguments of the run, kept as the metadata record `run`.
     pub metadata: BTreeMap<String, String>,
     /// Scanned resources; none: there is no topic for them.
@@ -60,6 +68,7 @@ enum Order {
     /// First sample, and rows of the scanner.
     Scan(u64, Vec<f64>),
     Event(f64, String),
+    Attach(Attached<Content>),
     Finish(String),
 }
 
@@ -96,6 +105,11 @@ impl Writer {
     /// Writes an event (a JSON object) at an emulated time.
     pub fn write_event(&mut self, t_s: f64, json: &str) -> Result<(), Error> {
         self.order(Order::Event(t_s, json.to_owned()))
+    }
+
+    /// Attaches another file.
+    pub fn attach(&mut self, attached: Attached<Content>) -> Result<(), Error> {
+        self.order(Order::Attach(attached))
     }
 
     /// Adds the result and closes the file.
@@ -142,6 +156,7 @@ fn carry_out(mut file: McapFile, orders: Receiver<Order>, spare: &Spare) -> Resu
             }
             Order::Scan(first_sample, values) => file.write_scan(first_sample, &values)?,
             Order::Event(t_s, json) => file.write_event(t_s, &json)?,
+            Order::Attach(attached) => file.attach(&attached)?,
             Order::Finish(result) => return file.finish(&result),
         }
     }
