@@ -115,6 +115,7 @@ def test_bad_parts_do_not_harm_the_others(parts: Path, tmp_path: Path) -> None:
     (parts / "wrong.nc").write_text("G01 X1 F100\nG01 Q*\nM30\n")
     lines = "".join(f"G01 X{n % 7} Y{n % 5}\n" for n in range(1000))
     (parts / "hungry.nc").write_text(f"F6000\nM98 P100 L9000\nM30\nO100\n{lines}M99\n")  # 9 million commands
+    (parts / "hungry.setup.toml").write_text("")  # with a setup they are held as a whole
     (parts / "dir.nc").mkdir()
     (parts / "unread.nc").symlink_to("/proc/self/mem")  # a file with a disk error
     out = tmp_path / "out"
