@@ -7,6 +7,7 @@ from cnc_front._native.motion_kernel import Machine
 
 __all__ = [
     "MOST_BYTES",
+    "MOST_CHANGES",
     "Listing",
     "Pieces",
     "Program",
