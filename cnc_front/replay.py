@@ -56,6 +56,7 @@ class ReplayEngine:
             schedule=reel.schedule,
             ready=not reel.is_sap,
             stopped=(reel.index.result or {}).get("error"),
+            places=reel.places,
         )
 
     # ---- what may be done

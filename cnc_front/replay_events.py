@@ -10,6 +10,7 @@ from cnc_front.alarms import without_bounces
 from cnc_front.engine import Alarm
 from cnc_front.execution import HARMLESS, AlarmEvent
 from cnc_front.messages import TEXTS, text
+from cnc_front.sap_places import Places
 from cnc_front.schedule import Schedule
 from cnc_front.sim_view import alarm_of
 
@@ -32,9 +33,11 @@ class Happenings:
         schedule: Schedule,
         ready: bool,
         stopped: dict[str, Any] | None,
+        places: Places | None = None,
     ) -> None:
         """`schedule`: overrides by time; `ready`: a part program; `stopped`: the error of the run, as `run --json`
-        tells it."""
+        tells it; `places`: what the lines of a rw_SymPas job mean."""
+        self._places = places
         self._events, self._machine, self._sample_s, self._language = events, machine, sample_s, language
         self._stopped = stopped or {}
         self._next = 0
@@ -94,8 +97,8 @@ class Happenings:
         if kind == "host":
             return str(event["text"]) if name == "MSG" else f"{name} {event['text']}".strip() if name != "T" else ""
         if kind == "task":
-            values = {"task": event["axis"] or 0, "errnum": event["value"], "line": event["line"]}
-            return text("sap_error", self._language, **values)
+            where = self._places.at(event["line"]) if self._places else {"task": 0, "line": event["line"]}
+            return text("sap_error", self._language, errnum=event["value"], **where)
         return ""
 
     def override_at(self, t_s: float) -> float:

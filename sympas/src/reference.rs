@@ -46,6 +46,12 @@ The job itself runs in the task of its `{$TASK n}`, else in task 0. A run ends w
 stand, or at `--max-time`; a runtime error stops its task only. Where MODEREG bit 26 (StopAtWriteln) halts a task, the run
 takes its output and continues it.
 
+`cnc-front tui job.src --task 1=monitor.src` steps through the tasks: `t` a line, into routines, `T` over them, `U` out, `b` a
+breakpoint (also in the includes, which stand behind the job; on a line without statement at the next one), `R` this task goes
+on, `r` all tasks, Space holds, `=` sets a variable (`n = 5`, `CI3 = 1`), Tab the next task, `v` all side by side. The `.stim`
+beside the job acts. In Python `task = mcu.task(0)` has `break_at(57, 'ring.inc:5')`, `go()`, `step(over=True)`, `step_out()`,
+`calls`, `variables`, `rows` (those of the callers too), `assign(name, value)`, `line`, `place`, `text_of(place)`.
+
 In Python `sympas.compile(text_or_path, machine)` gives a `Program` for `Mcu.load(task, program)`; `sympas.load(path)`
 reads an autocode file. Messages are English or German (`--lang de`).
 

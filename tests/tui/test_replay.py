@@ -289,6 +289,17 @@ def test_a_sympas_job_with_its_source_line(tmp_path: Path, job: str) -> None:
     engine.close()
 
 
+def test_a_runtime_error_names_task_and_include(tmp_path: Path) -> None:
+    (tmp_path / "half.inc").write_text("procedure Half;\nbegin\n  CI0 := 1 / CI1;\nend;\n")
+    (tmp_path / "fails.src").write_text("{$I half.inc}\nbegin\n  wt(1000);\n  Half;\nend.\n")
+    (tmp_path / "job.src").write_text("begin\n  cl(X);\n  jaw(X := 5.0);\nend.\n")
+    target = recorded(tmp_path / "s.mcap", tmp_path / "job.src", "--task", f"2={tmp_path / 'fails.src'}")
+    engine = ReplayEngine(str(target))
+    message = at(engine, "0.2").message
+    assert "task 2" in message and f"line 3 ({tmp_path / 'half.inc'})" in message
+    engine.close()
+
+
 # ---- how it is opened
 
 
