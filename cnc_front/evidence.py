@@ -92,6 +92,8 @@ def finding_text(entry: dict[str, Any], language: str) -> str:
         "percent": (entry.get("factor", 1.0) - 1) * 100,
     }
     side = text(f"trace_{entry['trace']}", language)
+    if entry.get("task"):  # of a rw_SymPas job; that of task 0 needs no name
+        side = f"Task {entry['task']}, {side}"
     return text(f"finding_{entry['kind']}", language, **values) + f" ({side})"
 
 

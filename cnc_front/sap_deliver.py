@@ -88,9 +88,14 @@ def run_and_write(
             figures = run | measured_keys(result.summary, machine.machine, options.schedule)
         made = plotting.report_input(figures, result.summary, source, machine.machine, events)
         made.job_lines, made.checks = result.places.labelled(source.text()), checks
-        made.note = "" if result.has_contour else text("sap_no_contour", language)
+        made.note = "" if result.has_contour else nothing_spooled(language)
         write_report(made, report, language)
     return result, verdict, run
+
+
+def nothing_spooled(language: str) -> str:
+    """What a report says of a job without contour."""
+    return f"{text('path', language)}: {text('sap_no_contour', language)}"
 
 
 def _swept(machine: MachineFile, tasks: list[Task], options: SapOptions, tolerance_mm: float, factor: float) -> Swept:
@@ -180,6 +185,6 @@ def measured_again(recorded: Recorded, setup: Setup | None, reference: Reference
     place_deviations(run, places)
     report = plotting.report_input(run, summary, source, machine, recorded.events)
     report.job_lines, report.checks = places.labelled(source.text()), checks
-    nothing = "" if len(plotting.path.blocks()["line"]) else text("sap_no_contour", language)
+    nothing = "" if len(plotting.path.blocks()["line"]) else nothing_spooled(language)
     report.note = f"{recorded.path}: {recorded.damage}" if recorded.damage else nothing
     return report
