@@ -151,6 +151,7 @@ def _add_tui(commands: Any, parents: list[Parser]) -> None:
     tui.add_argument("job", metavar="JOB", nargs="?")
     tui.add_argument("--task", metavar="N=JOB", action="append", default=[], help="a rw_SymPas job for another task")
     tui.add_argument("--plain", action="store_true", help="line mode: events as lines, commands as words")
+    tui.add_argument("--record", metavar="FOLDER", help="record each program that runs, with what the operator does")
     tui.add_argument("--speed", metavar="X", type=_speed, default=1.0, help="simulation speed, or max (default 1)")
     tui.add_argument("--glyphs", choices=("quadrant", "braille", "half", "ascii"), help="characters of the path plot")
     tui.add_argument("--theme", choices=("dark", "light", "ansi", "mono"), help="colours")

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cnc_front.engine import Engine, Job, Snapshot, State, wait_for
 from cnc_front.errors import UsageError
 from cnc_front.messages import text
-from cnc_front.outcome import Outcome
 from cnc_front.outputs import is_recording
+
+if TYPE_CHECKING:
+    from cnc_front.outcome import Outcome
 
 #: Revisions of recordings begin here, so that none is one of the emulator.
 RECORDINGS = 1_000_000

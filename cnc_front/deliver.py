@@ -65,7 +65,7 @@ def run_and_write(
     machine is not ready, or the file of a StreamedJob changed.
     """
     tolerance = tolerance_mm if tolerance_mm is not None else job.machine.machine.tolerance_mm
-    metadata = _metadata(job, options, tolerance, tolerance_from(tolerance_mm))
+    metadata = run_metadata(job, options, tolerance, tolerance_from(tolerance_mm))
     metadata |= checks.metadata() if checks else {}
     more = checks.attachments() if checks else []
     sink = RecordingSink(record, job, metadata, more, options.scan, job.facts["modal"]) if record else None
@@ -350,7 +350,7 @@ def tolerance_from(tolerance_mm: float | None) -> str:
     return "machine" if tolerance_mm is None else "option"
 
 
-def _metadata(
+def run_metadata(
     job: CompiledJob | StreamedJob, options: RunOptions, tolerance_mm: float, tolerance_from: str
 ) -> dict[str, str]:
     """The arguments of a run that a report needs."""

@@ -202,6 +202,7 @@ TEXTS: dict[str, tuple[str, str]] = {
         "{text} wurde in dieser Aufzeichnung nicht ausgeführt",
     ),
     "replay_none": ("only a recording can be wound", "spulen kann man nur in einer Aufzeichnung"),
+    "unrecorded": ("W302 the run is not recorded: {reason}", "W302 der Lauf wird nicht aufgezeichnet: {reason}"),
     "did_hold": ("operator: feed hold", "Bediener: Vorschub-Halt"),
     "did_start": ("operator: cycle start", "Bediener: NC-Start"),
     "did_resume": ("operator: goes on", "Bediener: weiter"),

@@ -40,9 +40,15 @@ class Outcome:
         return self.run | {"worst": worst}
 
 
-def outcome_of(result: RunResult, plotting: Plotting, number: int, tolerance_mm: float | None = None) -> Outcome:
-    """Judges a run that is over; nothing is measured again. Call it once for a run."""
-    verdict, run = judged(result, tolerance_mm, {"recording": None, "report": None})
+def outcome_of(
+    result: RunResult,
+    plotting: Plotting,
+    number: int,
+    tolerance_mm: float | None = None,
+    recording: str | None = None,
+) -> Outcome:
+    """Judges a run that is over; nothing is measured again. Call it once for a run. `recording`: its file."""
+    verdict, run = judged(result, tolerance_mm, {"recording": recording, "report": None})
     assert isinstance(result.job, CompiledJob)  # the terminal compiles whole programs
     machine, source = result.job.machine.machine, result.job.source
     report = plotting.report_input(run, result.summary, source, machine, events_of(result))

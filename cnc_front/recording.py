@@ -117,6 +117,23 @@ class RecordingSink:
         if len(chunk):
             self.add_commands(int(chunk.entry.max()))
             self._writer.write(chunk, deviation_mm)
+        self.tell(happened)
+
+    def write_gathered(
+        self,
+        place: tuple[int, Sequence[int]],
+        matrices: list[NDArray[Any]],
+        numbers: list[NDArray[Any]],
+        words: list[NDArray[Any]],
+        deviation_mm: NDArray[np.float32],
+    ) -> None:
+        """Samples of several chunks: `first_sample` of the first and `standing` of the last; dp, load, rp; factor and
+        v_plan; line, entry and flags; the deviation."""
+        self.add_commands(int(words[1].max()))
+        self._writer.write_columns(place, matrices, numbers, words, deviation_mm)
+
+    def tell(self, happened: Happened) -> None:
+        """What happened, behind the samples of its time."""
         for e in happened:
             if isinstance(e, LogEntry):
                 self._event(e.t_s, e.kind, e.axis, e.name, e.on, e.line, e.value, "")

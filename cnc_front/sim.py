@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -61,13 +62,15 @@ class SimEngine:
         *,
         language: str = "en",
         speed: float = 1.0,
+        recordings: Path | None = None,
     ) -> None:
-        """`machine`: path of a machine file (None: as design 3.1). `speed`: see `set_speed`. Raises CompileError."""
+        """`machine`: path of a machine file (None: as design 3.1). `speed`: see `set_speed`. `recordings`: folder for
+        a recording of each program that runs. Raises CompileError."""
         self._loader = Loader(machine, options or CompileOptions())
         self._language = language
         switches = Switches(self._loader.options.optional_stop, tuple(self._loader.options.block_delete))
         self._operator = Operator(speed=max(0.0, speed), switches=switches)
-        self._machine = SimMachine(self._loader.first_bench(), self._operator, language)
+        self._machine = SimMachine(self._loader.first_bench(), self._operator, language, recordings)
         self._wishes: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._snapshot = self._machine.snapshot()
         self._deviation = _NOTHING

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cnc_front.engine import Mode, Snapshot, Stop, Switches
 from cnc_front.execution import End
@@ -15,6 +17,9 @@ from cnc_front.sim_load import Asked, Loaded
 from cnc_front.sim_mdi import Block, Mdi
 from cnc_front.sim_run import SimRun
 from cnc_front.sim_view import SPEED_CD, Common, Operator, bench_snapshot, run_snapshot
+
+if TYPE_CHECKING:
+    from cnc_front.sim_record import RunRecording
 
 #: Axes that are homed first, by letter: away from the work before the others move.
 _FIRST = ("Z", "W")
@@ -27,6 +32,8 @@ class SimMachine:
     bench: Bench
     operator: Operator
     language: str = "en"
+    #: folder for recordings of programs; None: none are made
+    recordings: Path | None = None
     loaded: Loaded | None = None
     run: SimRun | None = None
     mdi: Mdi = field(default_factory=Mdi)
@@ -75,6 +82,9 @@ class SimMachine:
         elif self.run is not None:
             self.run.advance(samples)
             self.run.balance(self.operator.override, self.operator.rapid)
+            if self.run.unrecorded:
+                self._unrecorded(self.run.unrecorded)
+                self.run.unrecorded = ""
             if self.run.is_over:
                 self._put_down(self.run)
 
@@ -126,11 +136,27 @@ class SimMachine:
 
     def _begin(self, job: LoadedJob, mode: Mode, *, tool_is_in: bool, is_test: bool = False) -> None:
         mcu = self.bench.fitted if self.bench.is_changed else None
-        self.run = SimRun(job, self.operator.override, mcu, is_test=is_test)
-        self.run.tool_is_in = tool_is_in
         self.mode, self._stop, self.operator.message = mode, Stop.NONE, ""
+        recording = self._recording(job) if mode is Mode.AUTO and not is_test else None
+        self.run = SimRun(job, self.operator.override, mcu, is_test=is_test, recording=recording)
+        self.run.tool_is_in = tool_is_in
+        self.run.did("start")
         if self.operator.single_block:
             self.run.step_block()
+
+    def _recording(self, job: LoadedJob) -> RunRecording | None:
+        if self.recordings is None:
+            return None
+        from cnc_front.sim_record import RunRecording
+
+        try:
+            return RunRecording(self.recordings, job, self.operator.override)
+        except OSError as error:
+            self._unrecorded(error.strerror or str(error))
+            return None
+
+    def _unrecorded(self, reason: str) -> None:
+        self.operator.message = text("unrecorded", self.language, reason=reason)
 
     def _in_alarm(self) -> bool:
         return self.run is not None and self.run.execution.end not in (None, End.FINISHED)
@@ -177,13 +203,19 @@ class SimMachine:
             self.operator.message = text("override_refused", self.language, factor=factor)
             return
         self.operator.override = factor
+        self._did("override", round(factor * 100))
         self._balance()
 
     def set_rapid(self, factor: float) -> None:
         """Rapid override (design D30); above 0."""
         if 0 < factor <= 1:
             self.operator.rapid = factor
+            self._did("rapid", round(factor * 100))
             self._balance()
+
+    def _did(self, name: str, value: int) -> None:
+        if self.run is not None and not self.run.is_over:
+            self.run.did(name, value)
 
     def _balance(self) -> None:
         if self.run is not None and not self.run.is_over:
@@ -192,6 +224,7 @@ class SimMachine:
     def set_single_block(self, on: bool) -> None:
         """Stops at block ends from the present one on."""
         self.operator.single_block = on
+        self._did("single_block", int(on))
         run = self.run
         if run is None or run.is_over or run.at_rest:
             return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,7 @@ from cnc_front.sim_job import LoadedJob
 
 if TYPE_CHECKING:
     from cnc_front.outcome import Outcome
+    from cnc_front.sim_record import RunRecording
 
 #: Machine time that still passes after the axes have come to rest, so that the actual positions arrive, s.
 SETTLE_S = 0.2
@@ -28,9 +30,16 @@ class SimRun:
     """From start to end of a job. Not safe across threads: only the engine's thread calls it."""
 
     def __init__(
-        self, loaded: LoadedJob, override: float, mcu: native_kernel.Mcu | None = None, *, is_test: bool = False
+        self,
+        loaded: LoadedJob,
+        override: float,
+        mcu: native_kernel.Mcu | None = None,
+        *,
+        is_test: bool = False,
+        recording: RunRecording | None = None,
     ) -> None:
-        """`mcu`: a controller that is ready and stands where the job begins. `is_test`: nobody is waited for."""
+        """`mcu`: a controller that is ready and stands where the job begins. `is_test`: nobody is waited for.
+        `recording`: takes the samples, and what the operator does."""
         from cnc_front.deliver import Plotting
 
         machine = loaded.job.machine.machine
@@ -50,6 +59,9 @@ class SimRun:
         self.tracker.watch(loaded.vertex_s_mm)
         self._plotting = Plotting(machine.tolerance_mm)
         self._plotting.attach(loaded.path, self.tracker, loaded.polyline)
+        self._recording = recording
+        #: why there is no recording, or no more of it
+        self.unrecorded = ""
         self._began, self._override = time.monotonic(), override
         self.aborted = False
         self.holding = False
@@ -95,11 +107,11 @@ class SimRun:
         if rested:
             samples = min(samples, self._settle)
         chunk = self.execution.advance(samples)
-        self.execution.happened()  # for recordings; nobody takes it here
+        happened = self.execution.happened()
         if chunk is None:
             return
-        if len(chunk):
-            self._measure(chunk)
+        deviation = self._measure(chunk) if len(chunk) else np.zeros(0, np.float32)
+        self._record(lambda recording: recording.write(chunk, deviation, happened))
         if self.execution.waits and self.tool_is_in:
             self.tool_is_in = False
             self.execution.acknowledge()
@@ -107,7 +119,20 @@ class SimRun:
             settle = round(SETTLE_S / self.execution.sample_time_s)
             self._settle = max(0, self._settle - max(1, len(chunk))) if rested else settle
 
-    def _measure(self, chunk: native_kernel.Chunk) -> None:
+    def _record(self, write: Callable[[RunRecording], None]) -> None:
+        """A full disk ends the recording, not the run."""
+        if self._recording is not None:
+            try:
+                write(self._recording)
+            except OSError as error:
+                self._recording, self.unrecorded = None, error.strerror or str(error)
+
+    def did(self, name: str, value: int = 0) -> None:
+        """The operator did something: for the recording."""
+        t_s = self.execution.machine_time_s
+        self._record(lambda recording: recording.did(t_s, name, value))
+
+    def _measure(self, chunk: native_kernel.Chunk) -> NDArray[np.float32]:
         deviation = self.tracker.feed(chunk)
         self._plotting.add(deviation)
         worst = int(np.argmax(deviation))
@@ -116,6 +141,7 @@ class SimRun:
             self.deviation_max_line = int(chunk.line[worst])
         self.deviation_now_mm = float(deviation[-1])
         self.flags = int(chunk.flags[-1])
+        return deviation
 
     def balance(self, feed: float, rapid: float) -> None:
         """Sends the override that counts now: the lower one while a rapid block is current (design D30)."""
@@ -156,13 +182,18 @@ class SimRun:
         self.reached_mm = self.loaded.path.length_mm - summary["missing_mm"]
         self.line = self.line or int(summary["reached_line"])
         result = RunResult(self.loaded.job, options, execution, summary, self.loaded.path, self.tracker, wall)
-        return outcome_of(result, self._plotting, number)
+        name = self._recording.name if self._recording is not None else None
+        outcome = outcome_of(result, self._plotting, number, recording=name)
+        self._record(lambda recording: recording.finish(outcome.run))
+        self._recording = None
+        return outcome
 
     # ---- the operator
 
     def hold(self) -> None:
         """Brakes along the path; at a block end or a programmed stop the axes stand already, and only `go_on` moves."""
         if not self.at_rest and (not self.holding or self.between_blocks):
+            self.did("hold")
             self.holding, self.between_blocks, self.execution.held = True, False, False
             self.execution.mcu.hold()
 
@@ -175,6 +206,7 @@ class SimRun:
     def go_on(self, single_block: bool) -> None:
         """Ends a hold, block end or programmed stop; to the next block end if `single_block`."""
         self._settle = 0
+        self.did("step" if single_block else "resume")
         if self.holding:
             self.execution.held = False
             self.between_blocks = single_block and self.execution.mcu.step_block()
@@ -201,6 +233,7 @@ class SimRun:
 
     def abort(self) -> None:
         """Brakes along the path, drops what is spooled, ends the task."""
+        self.did("reset")
         self.aborted = True
         self.holding = self.between_blocks = self.execution.held = self.execution.stepped = False
         self.execution.waits = 0

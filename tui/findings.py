@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from textwrap import wrap
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cnc_front.evidence import finding_text, remedy_text
-from cnc_front.outcome import Outcome
-from cnc_front.report.evidence import HEAD
 from tui.look import Look
 from tui.program import block_name
 from tui.rows import Row
 from tui.words import Words
+
+if TYPE_CHECKING:
+    from cnc_front.outcome import Outcome
+
+#: Named findings shown (ui-guide section 2: the worst five).
+HEAD = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +50,8 @@ def place_of(outcome: Outcome, line: int) -> float | None:
 
 def finding_rows(view: View, outcome: Outcome, cursor: int) -> Iterator[Row]:
     """Named findings with their remedies."""
+    from cnc_front.evidence import finding_text, remedy_text  # the first screen does not need what judges
+
     look, words = view.look, view.words
     findings = outcome.run.get("findings") or []
     if not findings:

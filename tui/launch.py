@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import cast
 
 from cnc_front.engine import Engine, State
@@ -131,8 +132,11 @@ def make_engine(options: argparse.Namespace, language: str) -> Engine:
     from cnc_front.jobs import CompileOptions
     from cnc_front.sim import SimEngine
 
+    folder = Path(options.record) if options.record else None
+    if folder is not None and not folder.is_dir():
+        raise UsageError(f"--record: {folder} is not a folder")
     compiling = CompileOptions(options.profile, options.optional_stop, tuple(options.skip), options.language)
-    machine = SimEngine(options.machine, compiling, language=language, speed=options.speed)
+    machine = SimEngine(options.machine, compiling, language=language, speed=options.speed, recordings=folder)
     return cast(Engine, Console(machine, language))
 
 

@@ -351,3 +351,65 @@ def test_alarms_of_a_recording_are_not_kept_twice(tmp_path: Path) -> None:
     archive.close()
     engine.close()
     assert History(tmp_path / "h.sqlite").alarms(Filter()) == []
+
+
+# ---- runs of the terminal, with what the operator did
+
+
+def test_a_run_of_the_terminal_is_recorded_with_what_the_operator_did(tmp_path: Path) -> None:
+    engine = SimEngine(speed=0.0, recordings=tmp_path)
+    engine.load(str(FAULTS / "contour.nc"))
+    engine.set_speed(20.0)
+    assert engine.wait(10, lambda s: s.state is State.READY)
+    engine.start()
+    assert engine.wait(10, lambda s: s.machine_time_s > 0.5)
+    engine.set_override(0.5)
+    engine.hold()
+    assert engine.wait(10, lambda s: s.state is State.HOLD)
+    engine.resume()
+    engine.set_speed(0.0)
+    assert engine.wait(30, lambda s: s.state is State.DONE) and engine.wait(5, lambda _: engine.outcome() is not None)
+    outcome = engine.outcome()
+    assert outcome is not None and outcome.run["files"]["recording"] == str(tmp_path / "contour-1.mcap")
+    final = engine.snapshot()
+    engine.close()
+
+    replay = ReplayEngine(str(tmp_path / "contour-1.mcap"))
+    did = {e["name"]: e for e in replay._reel.index.events if e["kind"] == "operator"}
+    assert list(did) == ["start", "override", "hold", "resume"] and did["override"]["value"] == 50
+    assert "feed hold" in at(replay, str(did["hold"]["t_s"] + 0.01)).message
+    assert at(replay, str(did["start"]["t_s"])).override_set == 1.0
+    assert at(replay, str(did["override"]["t_s"] + 0.5)).override_set == 0.5
+    end = at(replay, "9:00")
+    assert end.deviation_max_mm == final.deviation_max_mm and end.machine_time_s == final.machine_time_s
+    replay.start()
+    assert replay.wait(10, lambda s: s.state is State.DONE)
+    replay.close()
+
+
+def test_slices_of_any_length_make_the_same_samples(tmp_path: Path) -> None:
+    path = recorded(tmp_path / "run.mcap", FAULTS / "contour.nc")
+    (tmp_path / "t").mkdir()
+    engine = SimEngine(speed=0.0, recordings=tmp_path / "t")
+    engine.load(str(FAULTS / "contour.nc"))
+    engine.start()
+    assert engine.wait(30, lambda s: s.state is State.DONE) and engine.wait(5, lambda _: engine.outcome() is not None)
+    engine.close()
+    whole, sliced = ([*open_recording(str(p)).columns()] for p in (path, tmp_path / "t" / "contour-1.mcap"))
+    for name in ("dp", "load", "rp", "line", "flags", "deviation_mm"):
+        a, b = (np.concatenate([columns[name] for columns in chunks]) for chunks in (whole, sliced))
+        assert np.array_equal(a, b), name
+
+
+def test_a_full_disk_ends_the_recording_not_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("cnc_front.recording.RecordingSink.tell", full)
+    engine = SimEngine(speed=0.0, recordings=tmp_path)
+    engine.load(str(FAULTS / "contour.nc"))
+    engine.start()
+    assert engine.wait(30, lambda s: s.state is State.DONE)
+    assert "W302" in engine.snapshot().message and "No space left" in engine.snapshot().message
+    assert engine.wait(5, lambda _: engine.outcome() is not None)
+    engine.close()

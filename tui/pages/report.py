@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from textual.strip import Strip
 
-from cnc_front.compare import changed_findings
 from cnc_front.messages import text as message
 from tui.charts import columns, histogram, pointer
 from tui.export import default_folder, export, how_to_open
@@ -196,6 +195,8 @@ def _comparison(view: View, outcome: Outcome, before: dict[str, Any]) -> Iterato
 
 def _changed(view: View, old: dict[str, Any], run: dict[str, Any]) -> Iterator[Row]:
     """Findings, alarms and reasons of the verdict that are new, and those that are cured."""
+    from cnc_front.compare import changed_findings
+
     look, words = view.look, view.words
     new, cured = changed_findings(old, run, words.language)
     for id, style, told in (("compare_findings_new", look.bad, new), ("compare_findings_cured", look.good, cured)):

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray1};
+use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -84,6 +84,36 @@ impl Writer {
             if scan.is_empty() { Ok(()) } else { writer.write_scan(view.first_sample, scan) }
         })
         .map_err(|e| raise(e, &self.path))
+    }
+
+    /// Writes samples that were gathered from several chunks: `first_sample` of the first and `standing` of the last,
+    /// matrices dp, load, rp, columns factor and v_plan, columns line, entry and flags, the deviation.
+    fn write_columns(
+        &mut self,
+        py: Python<'_>,
+        place: (u64, Vec<u32>),
+        matrices: [PyReadonlyArray2<'_, f64>; 3],
+        numbers: [PyReadonlyArray1<'_, f64>; 2],
+        words: [PyReadonlyArray1<'_, u32>; 3],
+        deviation_mm: PyReadonlyArray1<'_, f32>,
+    ) -> PyResult<()> {
+        let (first_sample, standing) = place;
+        let view = ColumnsView {
+            first_sample,
+            axes: numpy::PyUntypedArrayMethods::shape(&*matrices[0])[1],
+            dp: matrices[0].as_slice()?,
+            load: matrices[1].as_slice()?,
+            rp: matrices[2].as_slice()?,
+            factor: numbers[0].as_slice()?,
+            v_plan: numbers[1].as_slice()?,
+            line: words[0].as_slice()?,
+            entry: words[1].as_slice()?,
+            flags: words[2].as_slice()?,
+            deviation_mm: deviation_mm.as_slice()?,
+            standing: &standing,
+        };
+        let writer = self.inner.as_mut().ok_or_else(closed)?;
+        py.detach(|| writer.write_samples(&view)).map_err(|e| raise(e, &self.path))
     }
 
     /// Writes an event, a JSON object, at an emulated time.
