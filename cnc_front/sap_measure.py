@@ -7,7 +7,7 @@ programmed contour and is not measured; the deviation there counts as 0.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import reduce
 from typing import Any, Protocol
 
@@ -125,6 +125,8 @@ def measured_run(
     if not first.listing.parts and sink is None and watcher is None:
         return Measured(first, nothing, first.options.schedule, idle, idle.finish())
     second, refused = make(), ""
+    if first.end is End.INTERRUPTED:  # what ran up to there is measured; a second Ctrl+C ends the process
+        second.options = replace(second.options, interrupted=lambda: False)
     paths = paths_of(first.listing, first.mcu.samples(), first.mcu.axis_count())
     try:
         measuring = _measuring(first, paths)

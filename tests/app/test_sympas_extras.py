@@ -13,6 +13,10 @@ from mcap.reader import make_reader
 
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front.cli import run_command_line
+from cnc_front.execution import End
+from cnc_front.jobs import CompileOptions, compile_autocode, load_machine, read_job
+from cnc_front.sap_measure import measured_run
+from cnc_front.sap_run import SapOptions, SapRun, Task
 
 #: A direct move, a rectangle of 30 x 20 mm at (10, 10), a direct move.
 RECTANGLE = """program P;
@@ -179,6 +183,20 @@ def test_resources_are_scanned(run: Run, tmp_path: Path) -> None:
         rows = [json.loads(message.data) for _, _, message in make_reader(file).iter_messages(topics=["/scan"])]
     assert (code, len(rows)) == (0, result["samples"])
     assert max(row["dp_X"] for row in rows) == pytest.approx(result["axes"]["X"]["range"][1])
+
+
+def test_an_interrupted_job_is_measured_up_to_there(tmp_path: Path) -> None:
+    text = RECTANGLE.replace("  smla(X := 40.0", "  while TRUE do begin\n  smla(X := 40.0", 1)
+    (tmp_path / "job.src").write_text(text.replace("ssmsw(X, Y);", "ssmsw(X, Y); end;"))
+    machine = load_machine(None)
+    source = read_job(str(tmp_path / "job.src"))
+    program, _ = compile_autocode(source, machine, CompileOptions())
+    assert program is not None
+    passed = [0.0]
+    options = SapOptions(interrupted=lambda: passed[-1] > 20.0, progress=passed.append)
+    result = measured_run(lambda: SapRun(machine, [Task(0, source, program, ())], options))
+    assert result.run.end is End.INTERRUPTED and 20.0 < result.run.machine_time_s < 20.5
+    assert result.measured_s == pytest.approx(result.run.machine_time_s, abs=1.0)
 
 
 @pytest.mark.parametrize(
