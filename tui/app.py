@@ -17,7 +17,7 @@ from textual.theme import Theme
 from textual.widgets import Input
 
 from cnc_front.diagnostics import Diagnostic
-from cnc_front.engine import Engine, Job
+from cnc_front.engine import Engine, Job, Snapshot, State
 from cnc_front.errors import CompileError, UsageError
 from cnc_front.german import localized
 from tui.archive import Archive
@@ -101,7 +101,7 @@ class Terminal(MotionKeys):
         self.keeper = Keeper(engine, archive or Archive(None, words.language), self.say)
         self.picture, self.program = PathPicture(look), ProgramView(look)
         self.job: Job | None = None
-        self._revision = 0
+        self._revision = self._told = 0
         self.pages: dict[str, Page] = {page.name: page(self) for page in PAGES}
         self.page = self.pages["run"]
         self._seen = (engine.snapshot(), time.monotonic())
@@ -174,6 +174,7 @@ class Terminal(MotionKeys):
         if self.job is not None:
             self.picture.driven(*self.engine.new_deviation(self.picture.reached))
         self.messages.watch(shown, self.clock())
+        self._tell_verdict(shown.snapshot)
         self.keeper.watch(shown, self.clock())
         self.jobs.queue.watch(shown.snapshot, self.engine.outcome())
         width, height = self.size
@@ -190,7 +191,7 @@ class Terminal(MotionKeys):
         base.query_one("#message", Rows).put([line])
         if self.viewer is not None and self.viewer.is_watched:
             self.viewer.show(self.screen._compositor.render_strips())
-        base.query_one("#keys", Rows).put([key_row(self.look, self.words, width, self.keys_table)])
+        base.query_one("#keys", Rows).put([key_row(self.look, self.words, width, self.keys_table, self.page.name)])
 
     def _header(self, shown: Shown, width: int) -> Strip:
         on = shown.snapshot.switches
@@ -203,6 +204,14 @@ class Terminal(MotionKeys):
         )
         warnings = len(self.job.warnings) + bool(self.picture.over) if self.job else 0
         return header(shown, switches, warnings, self.clock(), width)
+
+    def _tell_verdict(self, snapshot: Snapshot) -> None:
+        """A job that came to its end need not have kept to its path: DONE is no verdict."""
+        outcome = self.engine.outcome()
+        if outcome is not None and outcome.number != self._told and snapshot.state is State.DONE:
+            self._told = outcome.number
+            verdict = (outcome.run.get("verdict") or {}).get("word", "")
+            self.say(self.words("ended", name=Path(outcome.path).name, verdict=verdict))
 
     def say(self, text: str) -> None:
         """Puts a message into the message line and the log."""

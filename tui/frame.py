@@ -77,12 +77,15 @@ def message_row(text: str, style: Style, look: Look, words: Words, more: bool, w
     return Strip.join([filled, Row(look.dim).add(note).strip(len(note) + 1)])
 
 
-def key_row(look: Look, words: Words, width: int, keys: Sequence[Key] = KEYS) -> Strip:
-    """As many keys as fit."""
+def key_row(look: Look, words: Words, width: int, keys: Sequence[Key] = KEYS, page: str = "run") -> Strip:
+    """As many keys as fit, of those that do something on the page."""
     row = Row(look.bar)
     other = {usual.shown: key.shown for usual, key in zip(KEYS, keys, strict=True) if usual.keys != key.keys}
+    elsewhere = {key.shown: key.page for key in KEYS if key.page}
     for usual, english, german in KEY_LINE:
-        key = other.get(usual, usual)
+        if elsewhere.get(usual, page) != page:
+            continue
+        key = words.key(other.get(usual, usual))
         text = f"{key} {words.pick(english, german)}"
         if row.width + len(text) + 1 > width:
             break
@@ -99,4 +102,4 @@ def small_row(shown: Shown, row_number: int, width: int) -> Strip:
     row = Row(look.text).add(target_word(shown.snapshot), look.target).add(" ")
     row.add(f"{face.symbol} {words.pick(face.english, face.german)}", getattr(look, face.style))
     row.add(f" !!{len(shown.snapshot.alarms)}" if shown.snapshot.alarms else "", look.alarm)
-    return row.add(f" SPACE {words.pick('Hold', 'Halt')} | {words('too_small')}").strip(width)
+    return row.add(f" {words.key('SPACE')} {words.pick('Hold', 'Halt')} | {words('too_small')}").strip(width)

@@ -134,7 +134,7 @@ KEY_LINE = (
     ("SPACE", "Hold", "Halt"),
     ("r", "Start", "Start"),
     ("t", "Step", "Schritt"),
-    ("b", "SB", "Satz"),
+    ("b", "SB", "Einzel"),
     ("+ -", "Ovr", "Korr"),
     ("v", "View", "Sicht"),
     ("F1", "Help", "Hilfe"),

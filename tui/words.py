@@ -215,6 +215,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "compare_new": ("new among the worst", "neu unter den größten"),
     "compare_gone": ("no longer among them", "nicht mehr darunter"),
     "export_ask": ("Folder for the report (Enter: {folder}):", "Ordner für den Bericht (Enter: {folder}):"),
+    "ended": ("{name}: {verdict}; F7 shows the report.", "{name}: {verdict}; F7 zeigt den Bericht."),
     "exporting": ("writing {folder} ...", "schreibe {folder} ..."),
     "exported_here": (
         "EXPORTED to {page}; see it with: {opener} '{page}'",
@@ -243,6 +244,11 @@ TEXTS: dict[str, tuple[str, str]] = {
     "loop_on": ("loop closed", "Regelkreis zu"),
     "loop_off": ("LOOP OPEN", "REGELKREIS OFFEN"),
     "homed": ("homed", "referenziert"),
+    "spool_direct": ("direct", "direkt"),
+    "spool_running": ("runs", "läuft"),
+    "spool_stopped": ("stopped", "angehalten"),
+    "spool_halted": ("halted", "steht"),
+    "spool_held": ("held", "Halt"),
     "entries": ("{n} entries", "{n} Einträge"),
     "bytes_free": ("{n} bytes free", "{n} Byte frei"),
     "gains": ("gains", "Regler"),
@@ -391,6 +397,18 @@ TEXTS: dict[str, tuple[str, str]] = {
 }
 
 
+#: Keys as they stand on a German keyboard, by how the key table shows them.
+GERMAN_KEYS = {
+    "Space": "Leertaste",
+    "SPACE": "LEER",
+    "Del": "Entf",
+    "Up/Down": "Auf/Ab",
+    "PgUp/PgDn": "Bild auf/ab",
+    "Shift+arrows": "Umsch+Pfeile",
+    "arrows PgUp/Dn": "Pfeile Bild",
+}
+
+
 class Words:
     """Looks texts up in one language."""
 
@@ -401,6 +419,10 @@ class Words:
     def __call__(self, id: str, /, **facts: object) -> str:
         """The text of an id with its facts filled in."""
         return TEXTS[id][self._column].format(**facts)
+
+    def key(self, shown: str) -> str:
+        """The name of a key."""
+        return GERMAN_KEYS.get(shown, shown) if self._column else shown
 
     def pick(self, english: str, german: str) -> str:
         """One of two texts that stand in a table of their own."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -12,6 +13,7 @@ from textual import events
 from textual.widgets import Input
 
 from cnc_front.engine import State
+from tests.tui.ended import ended
 from tests.tui.fake import FakeEngine, make_job
 from tests.tui.stage import NARROW, Stage, play
 from tui.keys import KEYS, LATE_S
@@ -397,3 +399,35 @@ def test_a_monkey_crashes_nothing_and_starts_nothing_without_its_key(seed: int, 
         assert stage.engine.calls[-1] == "hold"
 
     play(script, FakeEngine(job=make_job()))
+
+
+def test_the_key_line_names_no_key_that_does_nothing_here() -> None:
+    async def script(stage: Stage) -> None:
+        for number, page in enumerate(["help", "jobs", "run", "manual", "mdi", "alarms", "report", "service"], 1):
+            await stage.press(f"f{number}")
+            line = stage.text.splitlines()[-1]
+            assert ("v Sicht" in line) is (page == "run"), page
+            assert line.startswith(" LEER Halt"), "the names of a German keyboard"
+        await stage.press("f1")
+        assert "Leertaste" in stage.text and "Space" not in stage.text
+
+    play(script, language="de")
+
+
+def test_done_is_no_verdict() -> None:
+    async def script(stage: Stage) -> None:
+        await stage.load()
+        stage.engine.run_half()
+        await stage.frame()
+        run = {"verdict": {"word": "FAIL", "reasons": []}}
+        stage.engine.ended = replace(ended(), number=1, run=run)
+        stage.engine.show(state=State.DONE)
+        await stage.frame()
+        assert "FAIL; F7 shows the report" in stage.message
+        stage.engine.ended = replace(ended(), number=2, run=run)
+        stage.app.messages._said = ("", 0.0)
+        stage.engine.show(state=State.ALARM)
+        await stage.frame()
+        assert "F7 shows" not in stage.message, "a run that was stopped says why, not how it was judged"
+
+    play(script)

@@ -32,7 +32,7 @@ def help_rows(look: Look, words: Words, width: int, keys: Sequence[Key] = KEYS) 
     for key in keys:
         if key.shown:
             text = words.pick(key.english, key.german)
-            rows.append(Row(look.text).add(f"  {key.shown}", look.strong).at(16, text))
+            rows.append(Row(look.text).add(f"  {words.key(key.shown)}", look.strong).at(16, text))
     rows += [Row(look.text), Row(look.strong).add(f" {words('help_states')}")]
     for face in FACES.values():
         row = (

@@ -130,7 +130,7 @@ def _axis(mark: Marker, axis: ServiceAxis, width: int) -> Iterator[Row]:
     row = Row(look.text).add("   ")
     for good, yes, no in state:
         mark.add(row, f"{axis.name}.{yes}", words(yes if good else no), look.text if good else look.warn).add("  ")
-    row.add(f"{words('spool')} {axis.spooler}")
+    row.add(f"{words('spool')} {words(f'spool_{axis.spooler.lower()}')}")
     mark.add(row, f"{axis.name}.entries", words("entries", n=axis.entries))
     row.add(f", {words('bytes_free', n=axis.free)}")
     if row.width < width - 12:
