@@ -48,6 +48,40 @@ def test_ids_of_the_machine_file_are_translated() -> None:
         assert german(d).hint != d.hint, d
 
 
+#: What is German elsewhere: the catalogue of rw_SymPas, and what stands in cnc_front.messages.
+ELSEWHERE = re.compile(r"S[PW]\d+|CF30[1-4]|CF50[1-3]")
+
+
+def test_every_id_that_the_sources_name_and_every_remedy_is_translated() -> None:
+    folders = ("cnc_front", "tui", "motion_kernel", "toolpaths", "gcode")
+    found = (p for folder in folders for end in ("py", "rs") for p in (ROOT / folder).rglob(f"*.{end}"))
+    files = [p for p in found if "tests" not in p.parts]
+    text = "".join(p.read_text("utf-8") for p in files)
+    ids = set(re.findall(r'"((?:CF|SU|RF|MC|ST|SP|SW|GC|GW)\d{3})"', text))
+    known = {row["id"] for row in ROWS}
+    assert len(ids) > 60 and {id for id in ids - known if not ELSEWHERE.fullmatch(id)} == set()
+    remedies = re.findall(r'[(\s]"((?:MC|ST|SU)\d{3})"[,:] "([^"]+)"', text)
+    assert len(remedies) > 25
+    for id, hint in remedies:
+        row = next(row for row in ROWS if row["id"] == id)
+        found = german(Diagnostic("a", 1, 1, 1, id, row["english"], hint))
+        assert found.hint not in ("", hint), (id, hint)
+
+
+def test_findings_of_other_files_are_german_too(cli: Cli, tmp_path: Path) -> None:
+    job = tmp_path / "a.nc"
+    job.write_text("G90 G21 F500\nG1 X5\nM30\n")
+    job.with_suffix(".stim").write_text("when Q > 5 mm: X blocked\nat 1 s: input 99 on\ndance\n")
+    said = cli("run", "--lang", "de", job).err
+    assert "es gibt keine Achse Q" in said and "99 liegt außerhalb" in said and "'dance', erwartet wird" in said
+    assert "expected" not in said and "hint" not in said and said.count("Hinweis: ") == 3
+    job.with_suffix(".mcap").write_text("no recording")
+    said = cli("report", "--lang", "de", job.with_suffix(".mcap"), tmp_path / "out").err
+    assert "als Aufzeichnung nicht lesbar" in said and "Hinweis: eine Datei angeben, die run --record" in said
+    said = cli("check", "--lang", "de", tmp_path / "none.nc").err
+    assert "Datei ist nicht lesbar: Datei oder Verzeichnis nicht gefunden" in said
+
+
 def test_no_row_is_for_nothing() -> None:
     ids = {id for id, _, _ in gcode.catalogue()}
     assert all(row["english"] or row["id"] in ids for row in ROWS)
