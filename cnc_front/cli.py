@@ -164,13 +164,19 @@ def _add_tui(commands: Any, parents: list[Parser]) -> None:
 def run_command_line(arguments: Sequence[str]) -> int:
     """Runs one command. Whatever happens becomes text on stderr and an exit code here, and only here."""
     _prepare_streams()
+    options = argparse.Namespace()
     if hasattr(signal, "SIGPIPE"):
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `cnc-front ... | head` ends quietly
     try:
         options = build_parser().parse_args(arguments)
         return int(_command(options.command)(options))
     except UsageError as error:
-        print(f"cnc-front: {error}", file=sys.stderr)
+        from cnc_front.german import refusal
+        from cnc_front.messages import language_from
+
+        # wrong usage may lie before the language was read
+        language = language_from(getattr(options, "lang", None))
+        print(f"cnc-front: {refusal(error, language)}", file=sys.stderr)
         return Exit.BAD_INPUT
     except CompileError as error:
         from cnc_front.german import in_language

@@ -77,6 +77,12 @@ def german(diagnostic: Diagnostic) -> Diagnostic:
     return replace(diagnostic, message=message, hint=hint if diagnostic.hint else "")
 
 
+def refusal(error: Exception, language: str) -> str:
+    """What a wrong request is told, in that language where the table knows it (rows `usage`)."""
+    found = _translated("usage", str(error)) if language == "de" else None
+    return str(error) if found is None else found[0]
+
+
 def in_language(diagnostic: Diagnostic, language: str) -> str:
     """The finding as people read it, in "en" or "de"."""
     if language != "de":

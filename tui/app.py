@@ -19,7 +19,7 @@ from textual.widgets import Input
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.engine import Engine, Job, Snapshot, State
 from cnc_front.errors import CompileError, UsageError
-from cnc_front.german import localized
+from cnc_front.german import localized, refusal
 from tui.archive import Archive
 from tui.dialogs import Question
 from tui.frame import header, key_row, message_row, small_row
@@ -233,7 +233,7 @@ class Terminal(MotionKeys):
         except CompileError as error:
             self.call_from_thread(self._refused, path, localized(error.diagnostics, self.words.language))
         except (UsageError, OSError) as error:
-            self.call_from_thread(self.say, f"{path}: {error}")
+            self.call_from_thread(self.say, f"{path}: {refusal(error, self.words.language)}")
         else:
             self.call_from_thread(self._loaded, job)
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from cnc_front import outputs
 from cnc_front.errors import UsageError
+from cnc_front.german import refusal
 from tui.words import Words
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ def export(outcome: Outcome, folder: str, words: Words) -> tuple[str, Path | Non
     try:
         write_report(outcome.report, outputs.check_report(folder, [outcome.path]), words.language)
     except UsageError as error:
-        return str(error).replace("--report", "W301", 1), None
+        return refusal(error, words.language).replace("--report", "W301", 1), None
     except OSError as error:
         return f"W301 {error.filename or folder}: {error.strerror or error}", None
     return words("exported", folder=folder), Path(folder).absolute() / outputs.REPORT_FILE

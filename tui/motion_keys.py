@@ -11,7 +11,7 @@ from textual.app import App
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.engine import Engine
 from cnc_front.errors import CompileError, UsageError
-from cnc_front.german import localized
+from cnc_front.german import localized, refusal
 from cnc_front.search import Start, start_text
 from tui.dialogs import Question
 from tui.operation import HIGH, LOW, Operation
@@ -149,7 +149,7 @@ class MotionKeys(App[None]):
         except CompileError as error:
             self.call_from_thread(self.say_finding, error.diagnostics)
         except (UsageError, OSError) as error:
-            self.call_from_thread(self.say, str(error))
+            self.call_from_thread(self.say, refusal(error, self.words.language))
         else:
             self.call_from_thread(self._confirm_start, block, start)
 
@@ -167,7 +167,7 @@ class MotionKeys(App[None]):
         except CompileError as error:
             self.call_from_thread(self.say_finding, error.diagnostics)
         except (UsageError, OSError) as error:
-            self.call_from_thread(self.say, str(error))
+            self.call_from_thread(self.say, refusal(error, self.words.language))
         else:
             line = self.program.chosen or 1
             name = block if not block.isdecimal() else block_name(job.lines, int(block))

@@ -10,7 +10,8 @@ import pytest
 
 from cnc_front._native import gcode, motion_kernel
 from cnc_front.diagnostics import Diagnostic
-from cnc_front.german import PLACEHOLDER, TABLE, german, one_line
+from cnc_front.errors import UsageError
+from cnc_front.german import PLACEHOLDER, TABLE, german, one_line, refusal
 from tests.app.conftest import ROOT, Cli
 
 with TABLE.open(encoding="utf-8", newline="") as file:
@@ -60,7 +61,7 @@ def test_every_id_that_the_sources_name_and_every_remedy_is_translated() -> None
     ids = set(re.findall(r'"((?:CF|SU|RF|MC|ST|SP|SW|GC|GW)\d{3})"', text))
     known = {row["id"] for row in ROWS}
     assert len(ids) > 50 and {id for id in ids - known if not ELSEWHERE.fullmatch(id)} == set()
-    remedies = re.findall(r'[(\s]"((?:MC|ST|SU)\d{3})"[,:] "([^"]+)"', text)
+    remedies = re.findall(r'^ +\(?"((?:MC|ST|SU)\d{3})"[,:] "([^"]+)"', text, re.M)
     assert len(remedies) > 25
     for id, hint in remedies:
         row = next(row for row in ROWS if row["id"] == id)
@@ -80,6 +81,21 @@ def test_findings_of_other_files_are_german_too(cli: Cli, tmp_path: Path) -> Non
     assert "als Aufzeichnung nicht lesbar" in said and "Hinweis: eine Datei angeben, die run --record" in said
     said = cli("check", "--lang", "de", tmp_path / "none.nc").err
     assert "Datei ist nicht lesbar: Datei oder Verzeichnis nicht gefunden" in said
+
+
+def test_refusals_that_operators_meet_are_german(cli: Cli, tmp_path: Path) -> None:
+    source = "".join((ROOT / file).read_text("utf-8") for file in ("cnc_front/outputs.py", "cnc_front/sim_load.py"))
+    said = re.findall(r'UsageError\(f"([^"]+)"\)', source)
+    assert len(said) > 8
+    for template in said:
+        message = filled(template)
+        found = refusal(UsageError(message), "de")
+        assert found != message and re.findall(r"q\d\d", found) == re.findall(r"q\d\d", message), template
+        assert refusal(UsageError(message), "en") == message
+    (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "a.nc").write_text("G90 G21 F500\nG1 X5\nM30\n")
+    ran = cli("run", "--lang", "de", tmp_path / "a.nc", "--report", tmp_path)
+    assert ran.code == 2 and "liegen Dateien, die kein Bericht von uns sind" in ran.err
 
 
 def test_no_row_is_for_nothing() -> None:
