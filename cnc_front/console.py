@@ -30,10 +30,10 @@ class Console:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._shown, name)
 
-    def load(self, path: str) -> Job:
+    def load(self, path: str, wanted: Callable[[], bool] = lambda: True) -> Job:
         """A recording is shown; anything else is a job for the emulator. Raises CompileError, UsageError."""
         if not (path.lower().endswith(".mcap") or is_recording(Path(path))):
-            job = self._machine.load(path)
+            job = self._machine.load(path, wanted)
             self._show(self._machine)
             return job
         if self._machine.snapshot().state not in (State.NO_JOB, State.READY, State.DONE, State.ABORTED, State.ALARM):
@@ -43,6 +43,9 @@ class Console:
         self._revision += 1
         speed = self._shown.snapshot().speed_factor
         replay = ReplayEngine(path, language=self._language, speed=speed, revision=self._revision)
+        if not wanted():
+            replay.close()
+            raise UsageError(text("load_let_go", self._language))
         self._show(replay)
         return replay.job
 

@@ -170,6 +170,7 @@ class Job:
     tolerance_mm: float
     warnings: tuple[str, ...] = field(default=())
     check: LoadCheck | None = None
+    path_mm: float = 0.0
 
 
 def wait_for(happened: Callable[[], bool], seconds: float) -> bool:
@@ -185,8 +186,9 @@ def wait_for(happened: Callable[[], bool], seconds: float) -> bool:
 class Engine(Protocol):
     """Every call returns at once; effects show in later snapshots."""
 
-    def load(self, path: str) -> Job:
-        """Compiles a job (may take seconds: call it from a worker). Raises CompileError, no motion starts."""
+    def load(self, path: str, wanted: Callable[[], bool] = lambda: True) -> Job:
+        """Compiles a job (may take seconds: call it from a worker). Raises CompileError, no motion starts; UsageError
+        where it is no longer `wanted` when it is done."""
 
     def current_job(self) -> Job | None:
         """The loaded job; a new one where the machine moved or switches changed since it was checked."""

@@ -230,6 +230,7 @@ TEXTS: dict[str, tuple[str, str]] = {
     "home_stuck": ("{axis}: the reference switch stays active", "{axis}: der Referenzschalter bleibt aktiv"),
     "sap_failed": ("runtime error {errnum:04X} hex", "Laufzeitfehler {errnum:04X} hex"),
     "bench_fault": ("FAST STOP: {axis} {name}", "SCHNELLHALT: {axis} {name}"),
+    "load_let_go": ("not wanted any more", "nicht mehr gewünscht"),
     "no_job": ("no job is loaded", "kein Auftrag geladen"),
     "mdi_again": ("the machine has moved: Enter checks the block again", "Maschine bewegt: Enter prüft den Satz neu"),
     "checked_again": (

@@ -152,6 +152,7 @@ class Reel:
             plot=path_plot(self.line, self.machine, self.modal),
             extents=dict(zip(names, ranges, strict=False)),
             tolerance_mm=float(self.metadata["tolerance_mm"]),
+            path_mm=sum(path.length_mm for path in self.paths),
         )
 
     def _commands(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -61,7 +61,7 @@ class ReplayEngine:
 
     # ---- what may be done
 
-    def load(self, path: str) -> Job:
+    def load(self, path: str, wanted: Callable[[], bool] = lambda: True) -> Job:
         """The recording from its beginning; raises UsageError for anything else."""
         if path != self._path:
             raise UsageError(text("replay_only", self._language))

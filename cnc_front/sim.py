@@ -87,15 +87,17 @@ class SimEngine:
 
     # ---- what takes time: call it from a worker
 
-    def load(self, path: str) -> Job:
-        """Compiles a job. Raises CompileError, or UsageError while another job runs."""
-        return self._load(path, None)
+    def load(self, path: str, wanted: Callable[[], bool] = lambda: True) -> Job:
+        """Compiles a job. Raises CompileError, or UsageError while another job runs or if it is no longer `wanted`."""
+        return self._load(path, None, wanted)
 
-    def _load(self, path: str, start: str | None) -> Job:
+    def _load(self, path: str, start: str | None, wanted: Callable[[], bool] = lambda: True) -> Job:
         import cnc_front.outcome  # noqa: F401  what a run needs comes with the job: the first screen is there sooner
 
         self._refuse_while_busy()
         loaded = self._loader.load(path, start, self._operator.switches, self._machine.bench)
+        if not wanted():
+            raise UsageError(text("load_let_go", self._language))
         self._wish(lambda: self._take(loaded))
         return loaded.job.view
 

@@ -88,6 +88,7 @@ def load_source(
         tolerance_mm=compiled.machine.machine.tolerance_mm,
         warnings=tuple(f"{d.line}:{d.column}: {d.id}: {d.message}" for d in compiled.warnings),
         check=load_check(compiled, extents),
+        path_mm=programmed.length_mm,
     )
     return LoadedJob(
         compiled,

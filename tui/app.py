@@ -6,6 +6,7 @@ import gc
 import time
 from collections.abc import Callable, Sequence
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -25,6 +26,7 @@ from tui.dialogs import Question
 from tui.frame import header, key_row, message_row, small_row
 from tui.keeper import Keeper
 from tui.keys import KEYS, SETTLE_S, Key
+from tui.loading import Loading
 from tui.look import Look
 from tui.messages import Messages
 from tui.motion_keys import MotionKeys
@@ -97,6 +99,7 @@ class Terminal(MotionKeys):
         self.engine, self.look, self.words, self.clock = engine, look, words, clock
         self._first_job, self.paced, self.settle_s = job, paced, settle_s
         self.messages = Messages(words)
+        self.loading = Loading()
         self.operation = Operation(engine, words, self.say)
         self.keeper = Keeper(engine, archive or Archive(None, words.language), self.say)
         self.picture, self.program = PathPicture(look), ProgramView(look)
@@ -179,6 +182,7 @@ class Terminal(MotionKeys):
         self.jobs.queue.watch(shown.snapshot, self.engine.outcome())
         width, height = self.size
         small = width < SMALLEST[0] or height < SMALLEST[1]
+        self.messages.activity = self.loading.text(self.words)
         text, style, more = self.messages.current(shown, self.operation.is_armed, width)
         top, body = base.query_one("#header", Rows), base.query_one(Body)
         if small:
@@ -202,13 +206,19 @@ class Terminal(MotionKeys):
             ("SKP", bool(on.skip)),
             ("SB", shown.snapshot.single_block),
         )
-        warnings = len(self.job.warnings) + bool(self.picture.over) if self.job else 0
+        more = self.job.check.more_findings if self.job and self.job.check else 0
+        warnings = len(self.job.warnings) + more + bool(self.picture.over) if self.job else 0
         return header(shown, switches, warnings, self.clock(), width)
 
     def _tell_verdict(self, snapshot: Snapshot) -> None:
         """A job that came to its end need not have kept to its path: DONE is no verdict."""
         outcome = self.engine.outcome()
-        if outcome is not None and outcome.number != self._told and snapshot.state is State.DONE:
+        if (
+            outcome is not None
+            and outcome.number != self._told
+            and snapshot.state is State.DONE
+            and not snapshot.replay
+        ):
             self._told = outcome.number
             verdict = (outcome.run.get("verdict") or {}).get("word", "")
             self.say(self.words("ended", name=Path(outcome.path).name, verdict=verdict))
@@ -224,25 +234,34 @@ class Terminal(MotionKeys):
         if self.operation.is_underway and not self.engine.snapshot().replay:
             self.say(self.words("job_busy"))
             return
-        self.say(self.words("loading", name=path[-50:]))
-        self.run_worker(lambda: self._load(path), thread=True, exclusive=True, group="load")
+        wanted = self.loading.begin(path)
+        self.run_worker(lambda: self._load(path, wanted), thread=True, exclusive=True, group="load")
 
-    def _load(self, path: str) -> None:
+    def _load(self, path: str, wanted: Callable[[], bool]) -> None:
+        done: Callable[[], None]
         try:
-            job = self.engine.load(path)
+            job = self.engine.load(path, wanted)
         except CompileError as error:
-            self.call_from_thread(self._refused, path, localized(error.diagnostics, self.words.language))
+            findings = localized(error.diagnostics, self.words.language)
+            done = partial(self._refused, path, findings)
         except (UsageError, OSError) as error:
-            self.call_from_thread(self.say, f"{path}: {refusal(error, self.words.language)}")
+            said = f"{path}: {refusal(error, self.words.language)}"
+            done = partial(self.say, said)
         else:
-            self.call_from_thread(self._loaded, job)
+            done = partial(self._loaded, job)
+        self.call_from_thread(self._load_ended, wanted, done)
+
+    def _load_ended(self, wanted: Callable[[], bool], done: Callable[[], None]) -> None:
+        """Says what became of a load, if somebody still wants to know."""
+        if wanted():
+            self.loading.end()
+            done()
+            self.tick()
 
     def _loaded(self, job: Job) -> None:
-        total = self.engine.snapshot().path_total_mm
-        self.say(self.words("loaded", name=job.name, lines=len(job.lines), path=total))
+        self.say(self.words("loaded", name=job.name, lines=len(job.lines), path=job.path_mm))
         if self.engine.snapshot().replay:
             self.action_show("run")
-        self.tick()
 
     def _take(self, revision: int) -> None:
         """The engine has another job, or has checked it again."""
@@ -296,7 +315,10 @@ class Terminal(MotionKeys):
     def action_escape(self) -> None:
         """Feed hold, and out of where one is."""
         self.action_hold()
-        if isinstance(self.screen, Question):
+        if self.loading.is_active:
+            self.say(self.words("load_let_go", name=self.loading.name))
+            self.loading.end()
+        elif isinstance(self.screen, Question):
             self.screen.answer(None)
         elif not self.page.escape() and self.page.name != "run":
             self.action_show("run")

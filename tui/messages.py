@@ -46,6 +46,8 @@ class Messages:
         self._since = ""
         self._replayed = ""  # the last message of a recording
         self.index = 0
+        #: what goes on just now, before everything else
+        self.activity = ""
 
     def say(self, text: str, now: datetime, code: str = "") -> None:
         """Shows a message for some seconds and keeps it in the log."""
@@ -111,6 +113,8 @@ class Messages:
         first, then = ([], [*alarms, *stands]) if told else (stands, alarms)
         if s.state is State.ALARM and not told:
             first, then = [*alarms, *stands], []
+        if self.activity:
+            yield self.activity, "strong"
         if s.replay and s.message:
             yield s.message, "strong"
         yield from first

@@ -78,6 +78,11 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "details": ("n: next", "n: weiter"),
     "loading": ("loading {name} ...", "lade {name} ..."),
+    "loading_long": (
+        "loading {name}: {size:.1f} MB, {seconds:.0f} s so far   Esc lets it go",
+        "lade {name}: {size:.1f} MB, seit {seconds:.0f} s   Esc bricht ab",
+    ),
+    "load_let_go": ("{name}: not loaded; what was there stays.", "{name}: nicht geladen; alles bleibt, wie es war."),
     "loaded": ("{name}: {lines} lines, {path:.1f} mm", "{name}: {lines} Zeilen, {path:.1f} mm"),
     "load_failed": ("{id} {place} {text}", "{id} {place} {text}"),
     "more_errors": ("(+{n} more, F2)", "(+{n} weitere, F2)"),

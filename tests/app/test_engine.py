@@ -276,3 +276,12 @@ def test_the_outcome_of_an_aborted_run(engine: SimEngine, job: Callable[..., Pat
     outcome = engine.outcome()
     assert outcome is not None and outcome.code == 130 and outcome.run["status"] == "stopped"
     assert [reason["id"] for reason in outcome.run["verdict"]["reasons"]] == ["interrupted"]
+
+
+def test_a_load_that_nobody_wants_any_more_replaces_nothing(engine: SimEngine, job: Callable[..., Path]) -> None:
+    loaded(engine, job(PROGRAM))
+    with pytest.raises(UsageError, match="not wanted"):
+        engine.load(str(job("G90 G21 F500\nG1 X5\nM30\n", "other.nc")), lambda: False)
+    assert not engine.wait(0.1, lambda s: s.revision > 1)
+    view = engine.current_job()
+    assert view is not None and view.name != "other.nc" and view.path_mm == pytest.approx(40 + 5 * np.pi + 30 + 50 + 40)

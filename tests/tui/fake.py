@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -42,7 +42,7 @@ def make_job(lines: list[str] | None = None, points: int = 401) -> Job:
     owner = np.where(np.arange(points) < points // 10, 5, 9).astype(np.uint32)
     plot = PathPlot(place, owner, np.zeros(points, bool))
     extents = {"X": (-50.0, 50.0), "Y": (-30.0, 30.0), "Z": (-2.0, 5.0)}
-    return Job("bracket_07.nc", "bracket_07.nc", lines or PROGRAM.splitlines(), plot, extents, 0.01)
+    return Job("bracket_07.nc", "bracket_07.nc", lines or PROGRAM.splitlines(), plot, extents, 0.01, path_mm=1940.8)
 
 
 START: Start = {
@@ -128,7 +128,7 @@ class FakeEngine:
         if not self.deaf:
             self.show(**values)
 
-    def load(self, path: str) -> Job:
+    def load(self, path: str, wanted: Callable[[], bool] = lambda: True) -> Job:
         self.calls.append(f"load {path}")
         if path.endswith("bad.nc"):
             raise CompileError([Diagnostic(path, 4, 11, 12, "GC801", "axis W is not configured", "choose a machine")])

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from cnc_front.engine import State
+from cnc_front.engine import Job, State
+from cnc_front.errors import UsageError
 from cnc_front.history import Filter, History
 from cnc_front.sim import SimEngine
 from tests.tui.ended import ended
@@ -172,3 +175,41 @@ def test_the_load_check(size: tuple[int, int], language: str, tmp_path: Path, mo
         same_frame(f"check-{'wide' if size is WIDE else 'narrow'}-{language}", shown)
 
     play(script, fake, size=size, language=language)
+
+
+def test_a_long_load_says_so_and_can_be_let_go(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is let go, or overtaken by a newer load, never replaces the job later."""
+    go, wants = threading.Event(), []
+    path = tmp_path / "big.nc"
+    path.write_bytes(b"x" * 1_500_000)
+
+    class Slow(FakeEngine):
+        def load(self, path: str, wanted: Callable[[], bool] = lambda: True) -> Job:
+            if "big" in path:
+                wants.append(wanted)
+                assert go.wait(30)
+                if not wanted():
+                    raise UsageError("not wanted any more")
+            return super().load(path)
+
+    async def script(stage: Stage) -> None:
+        app, engine = stage.app, stage.engine
+        app.load(str(path))
+        await stage.until(lambda: wants)
+        assert "loading" in stage.message and "Esc" not in stage.message
+        monkeypatch.setattr("tui.loading.SHORT_S", 0.0)
+        assert "big.nc: 1.5 MB, 0 s so far   Esc lets it go" in stage.message
+        await stage.press("escape")
+        assert not wants[0]() and "hold" in engine.calls, "Esc holds, whatever else it does"
+        assert "big.nc: not loaded" in stage.message
+        await stage.load()
+        app.load(str(path))
+        await stage.until(lambda: len(wants) == 2)
+        app.load("bracket_07.nc")
+        go.set()
+        await stage.until(lambda: not app.loading.is_active)
+        assert not wants[1]()
+        await stage.until(lambda: not any(worker.is_running for worker in app.workers))
+        assert "not wanted" not in stage.message and "1940.8 mm" in stage.message
+
+    play(script, Slow(), size=NARROW)
