@@ -68,6 +68,11 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Störung {name} {axis} bei {t_s:.3f} s, Zeile {line}",
     ),
     "alarm_idle": ("alarm {name} {axis} at {t_s:.3f} s", "Störung {name} {axis} bei {t_s:.3f} s"),
+    "alarm_nowhere": ("alarm {name} {axis} at {t_s:.3f} s", "Störung {name} {axis} bei {t_s:.3f} s"),
+    "fault_nowhere": (
+        "stopped by fault {name} {axis} at {t_s:.3f} s, {place}",
+        "angehalten durch Störung {name} {axis} bei {t_s:.3f} s, {place}",
+    ),
     "fault": (
         "stopped by fault {name} {axis} at {t_s:.3f} s, line {line}, {place}",
         "angehalten durch Störung {name} {axis} bei {t_s:.3f} s, Zeile {line}, {place}",
@@ -363,6 +368,8 @@ def text(id: str, language: str, **values: Any) -> str:
     for key in ("kind", "body"):
         if values.get(key) in TEXTS:
             values[key] = TEXTS[values[key]][LANGUAGES.index(language)]
+    if values.get("line") == 0 and f"{id}_nowhere" in TEXTS:
+        id = f"{id}_nowhere"  # the path was left already: there is no line 0
     return TEXTS[id][LANGUAGES.index(language)].format(**values)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from cnc_front._native import motion_kernel as native_kernel
 from cnc_front._native import sympas as native_sympas
-from cnc_front.execution import HARMLESS
+from cnc_front.execution import HARMLESS, AlarmEvent
 from cnc_front.jobs import MachineFile
 
 #: A second, slow approach makes the place independent of the speed: way off the switch (axis units), speed ratio.
@@ -75,6 +75,8 @@ class Bench:
     held: bool = field(init=False, default=False)
     #: what went wrong: an id of cnc_front.messages and its values
     error: tuple[str, dict[str, Any]] | None = field(init=False, default=None)
+    #: what stopped the axes, until they move again
+    alarms: tuple[AlarmEvent, ...] = field(init=False, default=())
     output: deque[str] = field(init=False, default_factory=lambda: deque(maxlen=LINES))
     #: what else is needed for a home search: each step starts a motion
     _steps: Iterator[None] | None = field(init=False, default=None)
@@ -137,6 +139,7 @@ class Bench:
         if outcome != "entered":
             return "loop" if outcome == "refused" else outcome
         self.doing, self.held, self.error, self._settle = doing, False, None, SETTLE
+        self.alarms = ()
         return ""
 
     def set_zero(self, axis: int) -> None:
@@ -225,7 +228,13 @@ class Bench:
 
     def _fast_stop(self, axis: int) -> None:
         """What an application does at a fault: everything stops, each axis on its own ramp."""
-        bits = [name for name in self.mcu.status()["axes"][axis]["axst"] if name not in HARMLESS]
+        values = self.mcu.status()["axes"][axis]
+        bits = [name for name in values["axst"] if name not in HARMLESS]
+        numbers = {name: number for number, name, _ in native_kernel.register_bits("axst")}
+        t_s, off = self.mcu.samples() * self.file.machine.sample_time_us * 1e-6, values["dp"] - values["rp"]
+        self.alarms = tuple(
+            AlarmEvent(t_s, self.names[axis], numbers[name], name, 0, off, values["dp"]) for name in bits
+        )
         self._steps, self.held = None, False
         self.mcu.stop_job()
         self.error = ("bench_fault", {"axis": self.names[axis], "name": " ".join(bits)})

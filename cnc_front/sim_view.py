@@ -73,6 +73,7 @@ def bench_snapshot(common: Common) -> Snapshot:
         spindle=spindle_text(_outputs(status), bench.mcu.rdcd(SPEED_CD)),
         coolant=coolant_text(_outputs(status)),
         message=operator.message,
+        alarms=tuple(_alarm(event, True, common) for event in bench.alarms),
         stop=common.stop,
         inputs=_inputs(bench.mcu),
         outputs=_outputs(status),

@@ -285,3 +285,16 @@ def test_a_load_that_nobody_wants_any_more_replaces_nothing(engine: SimEngine, j
     assert not engine.wait(0.1, lambda s: s.revision > 1)
     view = engine.current_job()
     assert view is not None and view.name != "other.nc" and view.path_mm == pytest.approx(40 + 5 * np.pi + 30 + 50 + 40)
+
+
+def test_a_fault_by_hand_is_an_alarm_until_the_axes_move_again(tmp_path: Path) -> None:
+    machine = tmp_path / "weak.toml"
+    text = (ROOT / "examples" / "faults" / "machine.toml").read_text()
+    machine.write_text(text.replace("mpe = 1.0 ", "mpe = 0.005 "))
+    engine = SimEngine(str(machine), speed=0)
+    engine.jog("X", 10.0)
+    assert engine.wait(5, lambda s: bool(s.alarms))
+    (alarm,) = engine.snapshot().alarms
+    assert (alarm.code, alarm.axis, alarm.name, alarm.stopped) == ("E107", "X", "mpe", True)
+    assert "> 0.005 mm (mpe)" in alarm.text and "mpe" in engine.snapshot().axes[0].bits
+    engine.close()

@@ -12,6 +12,7 @@ from cnc_front._native import gcode, motion_kernel
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.errors import UsageError
 from cnc_front.german import PLACEHOLDER, TABLE, german, one_line, refusal
+from cnc_front.messages import text
 from tests.app.conftest import ROOT, Cli
 
 with TABLE.open(encoding="utf-8", newline="") as file:
@@ -96,6 +97,12 @@ def test_refusals_that_operators_meet_are_german(cli: Cli, tmp_path: Path) -> No
     (tmp_path / "a.nc").write_text("G90 G21 F500\nG1 X5\nM30\n")
     ran = cli("run", "--lang", "de", tmp_path / "a.nc", "--report", tmp_path)
     assert ran.code == 2 and "liegen Dateien, die kein Bericht von uns sind" in ran.err
+
+
+def test_there_is_no_line_0() -> None:
+    values = {"name": "mpe", "axis": "X", "t_s": 1.0}
+    assert text("alarm", "en", line=0, **values) == "alarm mpe X at 1.000 s"
+    assert text("alarm", "de", line=7, **values) == "Störung mpe X bei 1.000 s, Zeile 7"
 
 
 def test_no_row_is_for_nothing() -> None:
