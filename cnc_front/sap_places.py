@@ -88,15 +88,14 @@ def joined(tasks: Sequence[Numbered]) -> JobSource:
     """All texts behind each other, as Places counts their lines; of autocode files, and includes that are gone, empty
     lines."""
     first = tasks[0].source
-    if len(tasks) == 1 and len(tasks[0].program.files) == 1:
+    if len(tasks) == 1 and len(tasks[0].program.files) == 1 and first.language == "sympas":
         return first
     rows: list[str] = []
     for task in tasks:
         files, end = task.program.files, _length(task)
         ends = [offset for _, offset in files[1:]] + [end]
         for n, ((path, offset), behind) in enumerate(zip(files, ends, strict=True)):
-            # an autocode file may come from anywhere: what it names is not read
-            text = task.source.text() if n == 0 else _include(path) if task.source.language == "sympas" else ""
+            text = _own(task) if n == 0 else _include(task, path)
             lines = text.splitlines()[: behind - offset]
             rows += lines + [""] * (behind - offset - len(lines))
     return JobSource(first.path, "\n".join(rows).encode(), first.language)
@@ -108,11 +107,17 @@ def _label(text: Text) -> str:
 
 def _length(task: Numbered) -> int:
     """Lines that a task takes; all of its text where that has no includes."""
-    own = len(task.source.text().splitlines()) if len(task.program.files) == 1 else 0
+    own = len(_own(task).splitlines()) if len(task.program.files) == 1 else 0
     return max(1, own, task.program.places)
 
 
-def _include(path: str) -> str:
+def _own(task: Numbered) -> str:
+    return task.source.text() if task.source.language == "sympas" else ""
+
+
+def _include(task: Numbered, path: str) -> str:
+    if task.source.language != "sympas":
+        return ""  # an autocode file may come from anywhere: what it names is not read
     try:
         return JobSource(path, Path(path).read_bytes(), "sympas").text()
     except OSError:

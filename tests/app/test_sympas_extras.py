@@ -117,6 +117,9 @@ def test_an_autocode_file_brings_no_texts_along(run: Run, tmp_path: Path) -> Non
     assert run_command_line(["translate", str(tmp_path / "job.src"), "--output", target]) == 0
     assert run_command_line(["run", target, "--report", str(tmp_path / "r"), "--record", str(tmp_path / "r.mcap")]) == 0
     assert b"Far = 40.0" not in (tmp_path / "r.mcap").read_bytes()
+    blocks = (tmp_path / "r/blocks.csv").read_text().splitlines()
+    assert [row.partition(",")[0] for row in blocks[1:]] == ["9", "10", "11", "12"]
+    assert all(row.endswith(",False,") for row in blocks[1:]), "lines without text"
 
 
 def test_samples_of_a_job(run: Run, tmp_path: Path) -> None:
