@@ -45,7 +45,7 @@ def history(options: argparse.Namespace) -> int:
     if options.json:
         print("\n".join(json.dumps(row) for row in rows), end="\n" if rows else "")
     elif not rows:
-        print(text("history_none", language, path=path))
+        print(text("history_no_alarms" if options.alarms else "history_none", language, path=path))
     else:
         print("\n".join(alarm_lines(rows, language) if options.alarms else run_lines(rows, language)))
     return Exit.DONE

@@ -168,6 +168,7 @@ TEXTS: dict[str, tuple[str, str]] = {
         "CF503 {path}: Version {version} eines neueren cnc-front (hier {known}); --history DATEI wählt einen anderen",
     ),
     "history_none": ("no runs in {path}", "keine Läufe in {path}"),
+    "history_no_alarms": ("no alarms in {path}", "keine Störungen in {path}"),
     "history_job": ("job", "Auftrag"),
     "history_head": (
         "number  date              {job}  verdict   max um  at               time   alarms  by",

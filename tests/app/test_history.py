@@ -38,6 +38,7 @@ def test_runs_are_kept_and_found(cli: Cli, job: Callable[..., Path], tmp_path: P
     env = {"CNC_FRONT_HISTORY": str(file)}
     good, bad = job(PROGRAM, "good.nc"), job("N10 G1 X5\nN20 M30\n", "bad.nc")
     assert cli("history", env=env).out == f"no runs in {file}\n" and not file.exists(), "reading makes no file"
+    assert cli("history", "--alarms", env=env).out == f"no alarms in {file}\n"
     plain = cli("run", good, "--json", env={"CNC_FRONT_HISTORY": "off"}).object
     kept = cli("run", good, "--json", env=env).object
     assert plain | {"wall_time_s": 0} == kept | {"wall_time_s": 0}, "the result is not changed by keeping it"
