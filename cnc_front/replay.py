@@ -22,6 +22,8 @@ from cnc_front.sim_view import coolant_text, spindle_text
 
 #: Wall seconds between steps, and the largest step that a slow machine catches up.
 TICK_S, LAG_S = 0.01, 0.25
+#: A film that stands is reported anew so often, s.
+BEAT_S = 0.25
 #: Samples per step without pacing, and on the way to another place.
 SLICE, SEEKING = 8192, 65536
 #: States in which the film stands.
@@ -217,6 +219,7 @@ class ReplayEngine:
 
     def _work(self) -> None:
         before, owed = time.monotonic(), 0.0
+        told = before
         while not self._closing.wait(0.0 if self._wanted is not None else TICK_S):
             now = time.monotonic()
             passed, before = min(now - before, LAG_S), now
@@ -230,6 +233,8 @@ class ReplayEngine:
                     self._play(samples)
                 else:
                     owed = 0.0
+                    if now - told > BEAT_S:  # what stands is no older for that
+                        told, self._snapshot = now, self._look()
 
     def _go_to(self, sample: int) -> None:
         """A stretch of the way to a sample; hold and close need not wait for all of it."""

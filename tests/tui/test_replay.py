@@ -240,6 +240,13 @@ def test_winding_to_times_and_blocks(recording: Path) -> None:
     engine.close()
 
 
+def test_what_stands_is_not_stale(recording: Path) -> None:
+    engine = ReplayEngine(str(recording))
+    first = at(engine, "0:30")
+    assert engine.wait(3.0, lambda s: s is not first) and engine.snapshot().axes == first.axes
+    engine.close()
+
+
 def test_the_deviation_of_the_path_is_that_of_a_run_to_there(recording: Path) -> None:
     straight, wound = ReplayEngine(str(recording)), ReplayEngine(str(recording))
     at(wound, "2:00")
