@@ -150,6 +150,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     "list_queue": ("queue", "Folge"),
     "recent_none": ("no job in the history", "kein Auftrag im Verlauf"),
     "queue_empty": ("The queue is empty; ^N puts a file into it.", "Die Folge ist leer; ^N nimmt eine Datei auf."),
+    "queue_recording": (
+        "A recording is looked at, not run: Enter opens it.",
+        "Eine Aufzeichnung wird angesehen, nicht gefahren: Enter öffnet sie.",
+    ),
     "queued": ("{name} is in the queue ({n}).", "{name} ist in der Folge ({n})."),
     "queue_runs": ("RUNS", "LÄUFT"),
     "queue_stop_at": ("stops at failure", "hält bei Fehler"),

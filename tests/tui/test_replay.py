@@ -314,7 +314,9 @@ def test_a_recording_is_opened_from_jobs_and_put_away_again(recording: Path) -> 
     console = Console(SimEngine(speed=0.0))
 
     async def script(stage: Stage) -> None:
-        await stage.press("2", *str(recording), "enter")
+        await stage.press("2", *str(recording), "ctrl+n")
+        assert "not run" in stage.message and not stage.app.jobs.queue.entries
+        await stage.press("enter")
         await stage.until(lambda: console.snapshot().replay)
         await stage.until(lambda: stage.app.page.name == "run" and stage.app.job is not None)
         assert "[REPLAY max]" in await stage.frame()

@@ -115,6 +115,8 @@ class JobsPage(Page):
         if self.list == "queue":
             self.queue.remove(self._cursor)
             self.scroll(-1)
+        elif path.lower().endswith(".mcap"):
+            self.app.say(self.app.words("queue_recording"))
         elif path and not path.endswith("/"):
             self.queue.add(path)
             self.app.say(self.app.words("queued", name=Path(path).name, n=len(self.queue.entries)))
