@@ -123,6 +123,10 @@ pub struct Block {
     /// Letters whose value came from a variable or an expression.
     pub stored: u32,
     pub g: Vec<GWord>,
+    /// A motion function stands here that is refused.
+    pub refused_motion: bool,
+    /// The reading of the line ended before its end.
+    pub cut: bool,
     /// Groups of the G codes present.
     pub groups: u32,
     pub m: Vec<MWord>,
@@ -149,6 +153,7 @@ impl Block {
         self.mask = 0;
         self.stored = 0;
         self.groups = 0;
+        (self.refused_motion, self.cut) = (false, false);
         self.g.clear();
         self.m.clear();
         self.span = Span::default();

@@ -74,7 +74,7 @@ catalogue! {
     GC307 "probing (G{v}) is not supported" "remove the probing cycle";
     GC308 "spindle-synchronous function G{v} is not supported" "it needs a spindle axis in the machine file";
     GC309 "G10 L{v} is not supported" "use L2, L20, L1, L10 or L11";
-    GC310 "G10 needs {L or P}" "add the missing word";
+    GC310 "{code} needs {word}" "add the missing word";
     GC311 "reference position P{v} is not defined" "define it in the machine file";
     GC312 "radius correction G{v} is not available (not built, or switched off)" "let the CAM system put out the centre path";
     GC313 "G50 with axis words: use G92" "replace G50 by G92";

@@ -5,7 +5,8 @@ use crate::codes::Group;
 use crate::diagnostics::{Check, Fault, Id, Span};
 use crate::mfunc::dwell_seconds;
 use crate::modal::{CycleWords, FeedMode};
-use crate::translate::{Target, Translator};
+use crate::target::Target;
+use crate::translate::Translator;
 
 /// One repetition of a cycle, in program coordinates of the drilling axis.
 #[derive(Clone, Copy, Debug)]

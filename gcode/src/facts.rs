@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 
 use crate::group::Point;
+use crate::merging::Merged;
 use crate::modal::Codes;
 use crate::part::Start;
-use crate::sink::Merged;
 
 /// Tool changes that are remembered.
 const MAX_TOOLS: usize = 10_000;

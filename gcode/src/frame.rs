@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::expression::degrees;
+use crate::arithmetic::degrees;
 use crate::group::{Point, SLOTS};
 
 /// Which zero offset is active.

@@ -7,7 +7,9 @@
 // several points and tables run in parallel by slot
 #![allow(clippy::needless_range_loop)]
 
+mod aftermath;
 pub mod arc;
+mod arithmetic;
 pub mod block;
 mod catalogue;
 pub mod codes;
@@ -27,6 +29,8 @@ mod index;
 mod late;
 mod lint;
 mod listing;
+mod loops;
+mod merging;
 pub mod mfunc;
 pub mod modal;
 mod motion;
@@ -39,6 +43,7 @@ pub mod parser;
 mod part;
 mod pieces;
 pub mod program;
+mod report;
 mod rules;
 mod seen;
 mod segments;
@@ -48,9 +53,11 @@ pub mod sink;
 pub mod source;
 mod spindle;
 mod statements;
+mod stray;
 pub mod stream;
 mod system;
 mod tape;
+mod target;
 mod threads;
 mod tool;
 pub mod translate;

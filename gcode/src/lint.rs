@@ -6,7 +6,8 @@ use crate::index::definition;
 use crate::program::Run;
 use crate::sink::Circle;
 use crate::source::Lines;
-use crate::translate::{Target, Translator};
+use crate::target::Target;
+use crate::translate::Translator;
 
 /// A feed that changes by more than this factor within a contour leaves a mark.
 const FEED_JUMP: f64 = 4.0;

@@ -83,10 +83,7 @@ impl Translator<'_> {
         self.used |= mask("TD");
         if let Some(word) = block.word(b'T') {
             let number = word.value as u32;
-            let split = self.dialect.lathe && number >= 100;
-            self.state.modal.tool = if split { number / 100 } else { number };
-            self.state.modal.tool_offset = split.then_some(number % 100);
-            self.state.modal.tool_named = true;
+            self.select_tool(number);
             self.sink.event(self.line, "T", &number.to_string());
         }
         if block.has(b'H') && block.code_of(Group::LengthCorrection).is_none() {
@@ -111,6 +108,13 @@ impl Translator<'_> {
             self.run_up();
         }
         Ok(())
+    }
+    /// The lathe's T word holds tool and correction.
+    pub(crate) fn select_tool(&mut self, number: u32) {
+        let split = self.dialect.lathe && number >= 100;
+        self.state.modal.tool = if split { number / 100 } else { number };
+        self.state.modal.tool_offset = split.then_some(number % 100);
+        self.state.modal.tool_named = true;
     }
     fn tool_change(&mut self, span: Span) -> Check<()> {
         if self.dialect.m6_needs_t && !std::mem::take(&mut self.state.modal.tool_named) {
@@ -165,9 +169,9 @@ impl Translator<'_> {
         Ok(())
     }
     /// Number of an output or input, P0..P31.
-    fn line_number(&mut self, block: &Block, span: Span) -> Check<u32> {
+    fn line_number(&mut self, block: &Block, m: u16, span: Span) -> Check<u32> {
         self.used |= bit(b'P');
-        let Some(word) = block.word(b'P') else { return Err(Fault::with(Id::GC202, span, &[&'P'])) };
+        let Some(word) = block.word(b'P') else { return Err(Fault::with(Id::GC310, span, &[&format!("M{m}"), &'P'])) };
         if word.value.fract() != 0.0 || !(0.0..=31.0).contains(&word.value) {
             return Err(Fault::with(Id::GC514, word.span, &[&word.value]));
         }
@@ -175,7 +179,7 @@ impl Translator<'_> {
     }
     /// M62..M65: output P on or off, in step with motion.
     fn output(&mut self, block: &Block, m: u16, span: Span, outputs: &mut Outputs) -> Check<()> {
-        let bit = 1 << self.line_number(block, span)?;
+        let bit = 1 << self.line_number(block, m, span)?;
         if m.is_multiple_of(2) {
             outputs.put(bit, 0)
         } else {
@@ -193,7 +197,7 @@ impl Translator<'_> {
         if block.has(b'Q') || !matches!(mode, 0 | 3) {
             return Err(Fault::new(Id::GC511, span));
         }
-        let input = self.line_number(block, span)?;
+        let input = self.line_number(block, 66, span)?;
         if mode == 3 {
             self.wait(spool::WAIT_INPUTS, f64::from(1u32 << input));
         }

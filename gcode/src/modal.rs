@@ -18,6 +18,8 @@ pub enum MotionMode {
     Cycle(u16),
     /// G80
     None,
+    /// One that was refused (`aftermath.rs`).
+    Unknown,
 }
 
 impl MotionMode {
@@ -30,7 +32,7 @@ impl MotionMode {
             MotionMode::CounterClockwise => 30,
             MotionMode::Thread => 330,
             MotionMode::Cycle(code) => code,
-            MotionMode::None => 800,
+            MotionMode::None | MotionMode::Unknown => 800,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Motions of a block: targets, lines, arcs, limits (docs/dialect.md, sections 7, 10, 17).
 
+use crate::aftermath::is_about_ends;
 use crate::arc::{self, Arc, Ends};
 use crate::block::{AXIS_LETTERS, Block, CENTRE_LETTERS, GWord, bit, mask};
 use crate::codes::Group;
@@ -10,7 +11,8 @@ use crate::feed::Lengths;
 use crate::group::Point;
 use crate::modal::{CycleWords, MotionMode};
 use crate::sink::{Circle, Motion};
-use crate::translate::{Target, Translator};
+use crate::target::Target;
+use crate::translate::Translator;
 
 /// Shorter moves are no motion: far below a count, far above rounding.
 pub(crate) const NOTHING: f64 = 1e-9;
@@ -85,6 +87,7 @@ impl Translator<'_> {
             }
             MotionMode::Thread if axes => self.thread(block),
             MotionMode::Cycle(code) if axes || block.has_group(Group::Motion) => self.cycle(block, code),
+            MotionMode::Unknown => self.pass_over(block),
             MotionMode::None if axes => Err(Fault::new(Id::GC319, block.span)),
             MotionMode::Rapid => {
                 if let Some(g) = block.g(0) {
@@ -186,14 +189,30 @@ impl Translator<'_> {
         }
         let known = self.state.unknown & (1 << slots[0] | 1 << slots[1]) == 0;
         let target = self.target(block)?;
-        match self.arc(block, &plane, &target) {
+        let arc = self.arc(block, &plane, &target);
+        if !known && !self.state.modal.incremental {
+            // it began where it should, or the next one will
+            self.state.unknown &= !(1 << slots[0] | 1 << slots[1]);
+        }
+        match arc {
             Ok(arc) => self.arc_to(block, &plane, target, &arc),
-            // the start is not where the program means it to be: nothing can be said about this arc
-            Err(fault) if !known && fault.id >= Id::GC401 && fault.id <= Id::GC410 => {
+            Err(fault) => {
+                // the program is read on as if it had got there
+                let by_ends = is_about_ends(fault.id);
+                // a start in doubt is not where the program means it to be
+                if known || !by_ends {
+                    self.faults.push(fault);
+                }
+                if self.state.modal.feed.is_none() {
+                    self.faults.push(Fault::new(Id::GC501, block.span));
+                }
+                self.sink.tracking = None;
                 (self.state.program, self.state.machine) = (target.program, target.machine);
+                if known && by_ends {
+                    self.state.unknown |= target.named;
+                }
                 Ok(())
             }
-            Err(fault) => Err(fault),
         }
     }
     /// Geometry of the arc in program coordinates, mm.
@@ -324,7 +343,7 @@ impl Translator<'_> {
             let axis = &self.group.axes[slot];
             let Some((least, most)) = axis.limits else { continue };
             let inside = |v: f64| v >= least - NOTHING && v <= most + NOTHING;
-            if self.state.unknown != 0 || !inside(end[i]) {
+            if self.state.unknown & (1 << slots[0] | 1 << slots[1]) != 0 || !inside(end[i]) {
                 continue;
             }
             if let Some(worst) = [low, high].into_iter().find(|v| !inside(*v)) {

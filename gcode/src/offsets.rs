@@ -7,7 +7,8 @@ use crate::codes::{Group, number};
 use crate::diagnostics::{Check, Fault, Id};
 use crate::frame::{Rotation, Scale, Zero};
 use crate::group::{Point, SLOTS};
-use crate::translate::{Target, Translator};
+use crate::target::Target;
+use crate::translate::Translator;
 
 impl Translator<'_> {
     /// G53 (modal), G54..G59, G54.1.
@@ -18,9 +19,11 @@ impl Translator<'_> {
             530 => Zero::Machine,
             541 => {
                 self.used |= bit(b'P');
-                let p = block.whole(b'P')?.filter(|p| (1..=48).contains(p));
-                let args: [&dyn std::fmt::Display; 4] = [&block.value(b'P').unwrap_or(0.0), &'P', &1, &48];
-                Zero::Extra(p.ok_or_else(|| Fault::with(Id::GC216, block.span_of(b'P'), &args))? as u32)
+                let p = block.whole(b'P')?.ok_or_else(|| Fault::with(Id::GC310, g.span, &[&"G54.1", &'P']))?;
+                if !(1..=48).contains(&p) {
+                    return Err(Fault::with(Id::GC216, block.span_of(b'P'), &[&p, &'P', &1, &48]));
+                }
+                Zero::Extra(p as u32)
             }
             580 | 590
                 if block.has_any(AXIS_LETTERS) && block.code_of(Group::Motion).is_none() && block.g.len() == 1 =>
@@ -123,7 +126,7 @@ impl Translator<'_> {
     /// G10 L2, L20 (zero offsets) and L1, L10, L11 (tools).
     fn set_data(&mut self, block: &Block, g: &GWord) -> Check<()> {
         self.used |= mask("LP");
-        let missing = |what: &str| Fault::with(Id::GC310, g.span, &[&what]);
+        let missing = |what: &str| Fault::with(Id::GC310, g.span, &[&"G10", &what]);
         let kind = block.integer(b'L').ok_or_else(|| missing("L"))?;
         let span = block.span_of(b'L');
         if !matches!(kind, 1 | 2 | 10 | 11 | 20) {
@@ -284,7 +287,7 @@ impl Translator<'_> {
             }
         }
         let Some(angle) = block.value(b'R') else {
-            return Err(Fault::with(Id::GC202, g, &[&'R']));
+            return Err(Fault::with(Id::GC310, g, &[&"G68", &'R']));
         };
         self.state.frame.rotation = Some(Rotation::new(slots, centre, angle));
         self.state.reframe();

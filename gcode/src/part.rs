@@ -18,7 +18,8 @@ use crate::once::{Input, Reader};
 use crate::outputs::Outputs;
 use crate::program::Run;
 use crate::statements::{block_number, head_length};
-use crate::translate::{Target, Translator};
+use crate::target::Target;
+use crate::translate::Translator;
 
 /// A block of the main file: by its line, or by its N.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,6 +3,7 @@
 use motion_kernel::autocode::Program;
 use motion_kernel::machine::Machine;
 
+use crate::aftermath::Doubts;
 use crate::block::Block;
 use crate::diagnostics::{Diagnostic, Fault, Id, Place, Reports, Span, columns};
 use crate::dialect::Options;
@@ -119,7 +120,7 @@ pub(crate) struct Run<'t, 'm, 's> {
     /// Commands so far, and the block count when the last came.
     commanded: (u64, u64),
     pub ended: bool,
-    any_block: bool,
+    pub any_block: bool,
     pub told: Told,
     /// Lines already executed, to be read again.
     pub behind: Option<Lines<'s>>,
@@ -136,6 +137,7 @@ pub(crate) struct Run<'t, 'm, 's> {
     pub part: Part,
     /// Subprograms so far, for the linter.
     pub definitions: Vec<Definition>,
+    pub doubts: Doubts,
     /// Line of the O number of the main program.
     pub program_line: u32,
 }
@@ -144,7 +146,7 @@ pub(crate) struct Run<'t, 'm, 's> {
 #[derive(Default)]
 pub(crate) struct Told {
     after_tape: bool,
-    oword: bool,
+    pub oword: bool,
     pub increments: bool,
 }
 
@@ -179,6 +181,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             failed: None,
             definitions: Vec::new(),
             part: Part::default(),
+            doubts: Doubts::default(),
             program_line: 0,
         }
     }
@@ -254,19 +257,8 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             return;
         }
         self.any_block |= !block.is_empty();
-        let mut bad = false;
-        if !self.faults.is_empty() {
-            bad = self.report_all(line, text);
-            if bad {
-                self.t.lose_position();
-                self.t.sink.drop_program();
-                self.any_block = true;
-            }
-        }
-        if self.mode != Mode::Run || self.is_skipped(block) {
-            return;
-        }
-        if bad {
+        let bad = !self.faults.is_empty() && self.report_all(line, text, block);
+        if bad || self.mode != Mode::Run || self.is_skipped(block) {
             return;
         }
         self.execute(line, text, block);
@@ -278,7 +270,7 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         let level = head.get(at + 1).filter(|b| b.is_ascii_digit()).map_or(1, |b| b - b'0');
         self.t.options.block_delete & 1 << level != 0
     }
-    fn is_skipped(&self, block: &Block) -> bool {
+    pub(crate) fn is_skipped(&self, block: &Block) -> bool {
         block.skip.is_some_and(|level| self.t.options.block_delete & 1 << level != 0)
     }
 
@@ -317,8 +309,10 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             Ok(Flow::Next) => {}
             Ok(flow) => self.turn(flow, block),
             Err(fault) => {
-                self.t.faults.push(fault);
-                self.t.lose_position();
+                self.salvage(block, std::slice::from_ref(&fault));
+                if !self.follows(&fault) {
+                    self.t.faults.push(fault);
+                }
             }
         }
         if !self.t.faults.is_empty() || !self.t.sink.slowed.is_empty() {
@@ -438,41 +432,6 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         self.mode = Mode::Read;
     }
 
-    /// Reports what the translator found in this block, and what merging slowed down.
-    #[cold]
-    fn settle(&mut self, line: u32, text: &[u8]) {
-        let mut bad = false;
-        for fault in std::mem::take(&mut self.t.faults) {
-            bad |= !fault.id.is_warning();
-            self.report(line, text, &fault);
-        }
-        if bad {
-            self.t.sink.drop_program();
-        }
-        self.report_slowed();
-    }
-    #[cold]
-    fn report_all(&mut self, line: u32, text: &[u8]) -> bool {
-        let mut bad = false;
-        for fault in std::mem::take(&mut self.faults) {
-            bad |= !fault.id.is_warning();
-            if fault.id == Id::GC611 && std::mem::replace(&mut self.told.oword, true) {
-                continue;
-            }
-            self.report(line, text, &fault);
-        }
-        bad
-    }
-    pub(crate) fn report(&mut self, line: u32, text: &[u8], fault: &Fault) {
-        let (file_index, file) = self.flows.file();
-        self.reports.add(Place { file_index, file, line, text }, fault);
-    }
-
-    /// A finding in the main file; its span is in columns.
-    pub(crate) fn report_to_main(&mut self, line: u32, fault: &Fault) {
-        let place = Place { file_index: 0, file: self.flows.main_name(), line, text: b"" };
-        self.reports.add_columns(place, fault, fault.span);
-    }
     /// Behind the last of `lines` lines.
     pub(crate) fn finish(&mut self, lines: u32) {
         self.t.facts.lines = lines;

@@ -8,6 +8,7 @@ use motion_kernel::registers::ModeReg;
 use crate::diagnostics::{Check, Span};
 use crate::dialect::Dialect;
 use crate::group::{ContourGroup, Point, SLOTS};
+use crate::merging::{Merged, Passed, Run};
 use crate::offset_path::{Held, Tracking};
 use crate::part::Left;
 use crate::segments::Deliver;
@@ -45,37 +46,7 @@ pub struct Motion {
     pub slack: f64,
 }
 
-/// A point that a merged line may pass over.
-#[derive(Clone, Copy, Debug)]
-struct Passed {
-    line: u32,
-    point: Point,
-    slack: f64,
-}
-
-/// Short lines waiting to become one.
-#[derive(Clone, Debug)]
-struct Run {
-    start: Point,
-    last: Motion,
-    passed: Vec<Passed>,
-    time: f64,
-    same_speed: bool,
-    deviation: f64,
-}
-
-/// What merging did, for the report (design 3.2).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Merged {
-    /// Blocks that were replaced.
-    pub blocks: u64,
-    pub max_mm: f64,
-}
-
 const MERGE_SAMPLES: f64 = 2.0;
-/// Bound on the work per block.
-const MAX_PASSED: usize = 256;
-
 /// The motion that has been written last, as long as nothing stops behind it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Previous {
@@ -409,45 +380,4 @@ pub fn order(slots: [usize; 2], n: usize) -> impl Iterator<Item = usize> {
 /// Cosine of the angle between two unit tangents.
 fn cosine(a: &Point, b: &Point) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-impl Run {
-    fn speed(&self, length: f64) -> f64 {
-        if self.same_speed { self.last.vl } else { length / self.time }
-    }
-    /// The largest distance of a passed point from the chord to the new end, if that is within tolerance.
-    fn accepts(&self, motion: &Motion, group: &ContourGroup) -> Option<f64> {
-        if motion.tolerance != self.last.tolerance || motion.ac != self.last.ac || self.passed.len() >= MAX_PASSED {
-            return None;
-        }
-        let end = group.distance(&self.start, &motion.target);
-        if end == 0.0 {
-            return None;
-        }
-        let newest = Passed { line: self.last.line, point: self.last.target, slack: self.last.slack };
-        let (mut deviation, mut before) = (motion.slack, 0.0);
-        for passed in self.passed.iter().chain([&newest]) {
-            let (mut along, mut square) = (0.0, 0.0);
-            for (slot, axis) in group.axes.iter().enumerate() {
-                let d = (passed.point[slot] - self.start[slot]) * axis.metric;
-                along += d * (motion.target[slot] - self.start[slot]) * axis.metric;
-                square += d * d;
-            }
-            along /= end;
-            let distance = (square - along * along).max(0.0).sqrt() + passed.slack.max(motion.slack);
-            if distance > motion.tolerance || along < before || along > end {
-                return None;
-            }
-            before = along;
-            deviation = distance.max(deviation);
-        }
-        Some(deviation)
-    }
-    fn extend(&mut self, motion: &Motion, time: f64, deviation: f64) {
-        self.passed.push(Passed { line: self.last.line, point: self.last.target, slack: self.last.slack });
-        self.same_speed &= motion.vl == self.last.vl;
-        self.last = *motion;
-        self.time += time;
-        self.deviation = self.deviation.max(deviation);
-    }
 }

@@ -8,7 +8,8 @@ use crate::group::Point;
 use crate::mfunc::spool;
 use crate::modal::FeedMode;
 use crate::outputs::Outputs;
-use crate::translate::{Target, Translator};
+use crate::target::Target;
+use crate::translate::Translator;
 
 /// Smallest diameter that a cutting speed is referred to, mm.
 const LEAST_DIAMETER: f64 = 0.1;

@@ -11,7 +11,8 @@ use crate::feed::Lengths;
 use crate::modal::{FeedMode, Modal};
 use crate::motion::NOTHING;
 use crate::sink::Motion;
-use crate::translate::{Target, Translator};
+use crate::target::Target;
+use crate::translate::Translator;
 
 /// A straight move with the spindle: `turns` in all, signed, in `time` seconds.
 #[derive(Clone, Copy, Debug)]
@@ -67,7 +68,7 @@ impl Translator<'_> {
         self.used |= CENTRE_LETTERS;
         let missing = || {
             let span = block.code_of(Group::Motion).map_or(block.span, |g| g.span);
-            Fault::with(Id::GC202, span, &[&'K'])
+            Fault::with(Id::GC310, span, &[&"G33", &"I, J or K"])
         };
         let Some((letter, word)) = block.first_of(CENTRE_LETTERS) else {
             let (slot, lead) = self.state.modal.lead.ok_or_else(missing)?;

@@ -66,15 +66,6 @@ pub struct Translator<'a> {
     pub(crate) lint: Lint,
 }
 
-/// A resolved target.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Target {
-    pub program: Point,
-    pub machine: Point,
-    /// Slots that the block names.
-    pub named: u32,
-}
-
 const FAST_LETTERS: u32 = AXIS_LETTERS | CENTRE_LETTERS | mask("FNRP");
 
 impl<'a> Translator<'a> {
@@ -129,37 +120,25 @@ impl<'a> Translator<'a> {
         let special = !block.m.is_empty() || block.message.is_some() || !block.assignments.is_empty();
         if plain && !special && !cycle && block.call_name.is_none() && block.statement.is_none() {
             let before = self.state.modal;
-            let found = self.faults.len();
             self.used = bit(b'F') | bit(b'N');
             let result = self.feed_word(block).and_then(|()| self.motion_step(block, None));
             let result = result.and_then(|()| self.check_unused(block));
             if self.state.modal.motion != before.motion {
                 self.show_modal();
             }
-            if result.is_err() || self.has_errors(found) {
+            if result.is_err() {
                 self.state.modal = before;
             }
             return result.map(|()| Flow::Next);
         }
         self.execute_any(block)
     }
-    /// Errors among the findings since `from`.
-    fn has_errors(&self, from: usize) -> bool {
-        self.faults[from..].iter().any(|f| !f.id.is_warning())
-    }
     fn execute_any(&mut self, block: &Block) -> Check<Flow> {
         let before = self.state.clone();
-        let found = self.faults.len();
         let result = self.steps(block);
-        if result.is_err() || self.has_errors(found) {
-            let (program, machine) = (self.state.program, self.state.machine);
+        if result.is_err() {
             self.state = before;
             self.restore_surface();
-            if result.is_ok() {
-                // only a limit was passed: the program goes on from where it meant to be
-                (self.state.machine, self.state.program) = (machine, program);
-                self.state.program = self.state.frame.to_program(&machine);
-            }
         }
         result
     }
@@ -222,7 +201,7 @@ impl<'a> Translator<'a> {
         Ok(Some(first))
     }
 
-    fn unit_and_feed(&mut self, block: &Block) -> Check<()> {
+    pub(crate) fn unit_and_feed(&mut self, block: &Block) -> Check<()> {
         if let Some(g) = block.code_of(Group::Unit) {
             if matches!(g.code.tenths, 700 | 710) && block.has_any(mask("PQUWDR")) {
                 return Err(Fault::with(Id::GC317, g.span, &[&number(g.code.tenths)]));
@@ -269,6 +248,11 @@ impl<'a> Translator<'a> {
         if self.dialect.g07_g08 && (block.g(70).is_some() || block.g(80).is_some()) {
             self.state.modal.diameter = block.g(70).is_some();
         }
+        self.dimensions(block);
+        Ok(())
+    }
+    /// G90, G91, the centre mode, and where cycles return to.
+    pub(crate) fn dimensions(&mut self, block: &Block) {
         if let Some(g) = block.code_of(Group::Distance) {
             self.state.modal.incremental = g.code.tenths == 910;
         }
@@ -278,9 +262,8 @@ impl<'a> Translator<'a> {
         if let Some(g) = block.code_of(Group::CycleReturn) {
             self.state.modal.return_to_r = g.code.tenths == 990;
         }
-        Ok(())
     }
-    fn set_plane(&mut self, g: &GWord) -> Check<()> {
+    pub(crate) fn set_plane(&mut self, g: &GWord) -> Check<()> {
         let plane = match g.code.tenths {
             170 => Plane::Xy,
             180 => Plane::Zx,
@@ -326,93 +309,6 @@ impl<'a> Translator<'a> {
         Ok(())
     }
 
-    /// Columns of the block in the main file; empty for one of another file.
-    #[inline]
-    pub(crate) fn place(&self, block: &Block) -> Span {
-        if self.in_main { block.columns } else { Span::default() }
-    }
-    /// A length word in mm.
-    pub(crate) fn length(&self, block: &Block, letter: u8) -> Option<f64> {
-        block.word(letter).map(|w| self.increments(w.value, w.integer_form) * self.state.modal.unit())
-    }
-    /// Numbers without point are least increments, if the dialect says so.
-    #[inline]
-    pub(crate) fn increments(&self, value: f64, integer_form: bool) -> f64 {
-        if integer_form && self.dialect.integer_increment > 0.0 {
-            value * self.dialect.integer_increment
-        } else {
-            value
-        }
-    }
-    /// An axis word as a program coordinate: mm or degrees.
-    #[inline]
-    pub(crate) fn coordinate(&self, block: &Block, letter: u8, slot: usize) -> f64 {
-        let Some(word) = block.word(letter) else { return 0.0 };
-        let value = self.increments(word.value, word.integer_form);
-        if self.group.axes[slot].rotary {
-            return value;
-        }
-        let value = value * self.state.modal.unit();
-        if self.state.modal.diameter && matches!(letter, b'X' | b'U') { value * 0.5 } else { value }
-    }
-    /// The slot of an axis word, and whether it is an incremental U V W.
-    #[inline]
-    pub(crate) fn slot_of(&self, block: &Block, letter: u8) -> Check<(usize, bool)> {
-        if let Some(slot) = self.group.slot(letter) {
-            return Ok((slot, false));
-        }
-        let main = letter.wrapping_sub(b'U').wrapping_add(b'X');
-        if self.dialect.uvw_incremental
-            && matches!(letter, b'U' | b'V' | b'W')
-            && let Some(slot) = self.group.slot(main)
-        {
-            return Ok((slot, true));
-        }
-        let excluded = self.machine.axes.iter().any(|a| a.letter.is_none() && a.name.as_bytes() == [letter]);
-        let id = if excluded { Id::GC802 } else { Id::GC801 };
-        Err(Fault::with(id, block.span_of(letter), &[&char::from(letter)]))
-    }
-
-    /// The target that the axis words name.
-    #[inline]
-    pub(crate) fn target(&mut self, block: &Block) -> Check<Target> {
-        let mut target = Target { program: self.state.program, machine: self.state.machine, named: 0 };
-        let plain = self.state.frame.is_plain();
-        let mut letters = block.mask & AXIS_LETTERS;
-        while letters != 0 {
-            let letter = b'A' + letters.trailing_zeros() as u8;
-            letters &= letters - 1;
-            let (slot, relative) = self.slot_of(block, letter)?;
-            let value = self.coordinate(block, letter, slot);
-            if self.state.modal.incremental || relative {
-                target.program[slot] += value;
-                target.machine[slot] += value;
-            } else {
-                let value = if self.group.axes[slot].modulo { self.short_way(slot, value) } else { value };
-                target.program[slot] = value;
-                target.machine[slot] = value + self.state.frame.shift()[slot];
-                self.state.unknown &= !(1 << slot);
-            }
-            target.named |= 1 << slot;
-        }
-        if !plain {
-            target.machine = self.state.frame.to_machine(&target.program);
-        }
-        self.used |= AXIS_LETTERS;
-        self.target_program = target.program;
-        Ok(target)
-    }
-
-    /// A rotary axis under G00 G90 goes to the nearest equal angle, at half a turn in the positive sense.
-    #[cold]
-    fn short_way(&self, slot: usize, value: f64) -> f64 {
-        if self.state.modal.motion != MotionMode::Rapid {
-            return value;
-        }
-        let from = self.state.program[slot];
-        let way = (value - from).rem_euclid(360.0);
-        from + if way > 180.0 { way - 360.0 } else { way }
-    }
     /// Words that no function of the block has asked for.
     #[inline]
     pub(crate) fn check_unused(&mut self, block: &Block) -> Check<()> {
@@ -438,9 +334,5 @@ impl<'a> Translator<'a> {
             self.modal_shown = Some(now);
             self.facts.modal_changed(self.line, now);
         }
-    }
-    /// After an error in a block that may have moved: nobody knows where the axes should be.
-    pub fn lose_position(&mut self) {
-        self.state.unknown = self.group.lettered();
     }
 }

@@ -405,14 +405,6 @@ fn the_listing_is_json_lines() {
 }
 
 #[test]
-fn a_bad_block_leaves_no_trace() {
-    // the G91 of the bad block does not act on the next one
-    let compiled = common::run("G1 X1 F100\nG91 X5 Q3\nX2\nM30\n");
-    assert_eq!(compiled.diagnostics.len(), 1);
-    assert_eq!(compiled.facts.modal_at(4), "G1 G17 G90 G21 G94 G40 G49 G64 G54");
-}
-
-#[test]
 fn facts_for_the_operator() {
     let compiled = common::run("T2 M6\nG0 X10 Z5\nG1 X-20 F300\nG2 I5 F600\nG20\nM30\n");
     let facts = &compiled.facts;

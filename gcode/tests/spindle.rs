@@ -164,7 +164,7 @@ fn what_a_thread_needs() {
     );
     assert_eq!(found("G33 Z-20 K1.5\nM30\n", &machine), [("GC505", 1, 1, 13)], "the spindle stands");
     assert_eq!(found("M3\nG33 Z-20 K1.5\nM30\n", &machine), [("GC505", 2, 1, 13)], "no S");
-    assert_eq!(found("M3 S600\nG33 Z-20\nM30\n", &machine), [("GC202", 2, 1, 3)]);
+    assert_eq!(found("M3 S600\nG33 Z-20\nM30\n", &machine), [("GC310", 2, 1, 3)]);
     assert_eq!(found("M3 S600\nG33 Z-20 I1.5\nM30\n", &machine), [("GC326", 2, 10, 13)], "X does not move");
     assert_eq!(found("M3 S600\nG33 X1 Z-20 I1 K1.5\nM30\n", &machine), [("GC326", 2, 16, 19)]);
     assert_eq!(found("M3 S600\nG33 Z-20 K0\nM30\n", &machine), [("GC216", 2, 10, 11)]);
