@@ -151,6 +151,12 @@ class DebugSession:
         """Some axis is at work, or has something to do."""
         return not all("pe" in axis["axst"] for axis in self.mcu.status()["axes"])
 
+    @property
+    def works(self) -> bool:
+        """Some task runs or some axis is at work: time has to pass."""
+        runs = any(self.state(task).state in ("runs", "waits") for task in self.tasks)
+        return (runs and not self.held) or self.travels
+
     def advance(self, seconds: float) -> None:
         """Lets machine time pass; less where nothing is left to happen."""
         self.mcu.advance(max(1, round(seconds / self.run.sample_time_s)))

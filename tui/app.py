@@ -24,6 +24,7 @@ from cnc_front.german import localized, refusal
 from tui.archive import Archive
 from tui.dialogs import Question
 from tui.frame import header, key_row, message_row, small_row
+from tui.hold_button import HoldButton
 from tui.keeper import Keeper
 from tui.keys import KEYS, SETTLE_S, Key
 from tui.loading import Loading
@@ -36,6 +37,7 @@ from tui.pages.jobs import Check, JobsPage
 from tui.plot import PathPicture
 from tui.program import ProgramView, find_block, find_text
 from tui.rows import Row
+from tui.states import MOVING
 from tui.values import Shown
 from tui.widgets import Body, Rows
 from tui.words import Words
@@ -57,7 +59,7 @@ class Terminal(MotionKeys):
     ENABLE_COMMAND_PALETTE = False
     AUTO_FOCUS = None  # a text field gets keys only when the operator went there
     CSS = """
-    Screen { layout: vertical; overflow: hidden; }
+    Screen { layout: vertical; overflow: hidden; layers: default above; }
     Rows { height: 1; width: 100%; }
     #body { height: 1fr; }
     .field { display: none; height: 1; border: none; padding: 0 1; background: $background; color: $foreground; }
@@ -80,9 +82,10 @@ class Terminal(MotionKeys):
         archive: Archive | None = None,
         keys: Sequence[Key] = KEYS,
         viewer: Viewer | None = None,
+        mouse: bool = True,
     ) -> None:
         """`archive`: the history (None: nothing is kept). `keys`: the table with what a keymap changed.
-        `viewer`: mirrors the screen in a browser.
+        `viewer`: mirrors the screen in a browser. `mouse`: it is ours, so there is a button that holds.
 
         `paced`: draws by itself at 10 Hz; tests call `tick` instead. `clock`: the time of day."""
         super().__init__(ansi_color=look.is_ansi)
@@ -94,7 +97,7 @@ class Terminal(MotionKeys):
             self.theme = theme.name
         else:
             self.theme = "ansi-dark"
-        self.keys_table, self.viewer = keys, viewer
+        self.keys_table, self.viewer, self.mouse = keys, viewer, mouse
         self._bind(keys)
         self.engine, self.look, self.words, self.clock = engine, look, words, clock
         self._first_job, self.paced, self.settle_s = job, paced, settle_s
@@ -130,6 +133,7 @@ class Terminal(MotionKeys):
         yield Body(self.look.text, "body")
         yield Rows(self.look.text, "message")
         yield Rows(self.look.bar, "keys")
+        yield HoldButton(self.look, self.words, self.action_hold, self.mouse)
 
     def on_mount(self) -> None:
         """First frame, first job."""
@@ -191,11 +195,14 @@ class Terminal(MotionKeys):
         else:
             top.put([self._header(shown, width)])
             body.put(self.page.visible(shown, width, height - FRAME - (self.page.field is not None)))
-        line = message_row(text, getattr(self.look, style), self.look, self.words, more, width)
+        room = width - base.query_one(HoldButton).room
+        for button in self._buttons():
+            button.moves = shown.snapshot.state in MOVING
+        line = message_row(text, getattr(self.look, style), self.look, self.words, more, room)
         base.query_one("#message", Rows).put([line])
         if self.viewer is not None and self.viewer.is_watched:
             self.viewer.show(self.screen._compositor.render_strips())
-        base.query_one("#keys", Rows).put([key_row(self.look, self.words, width, self.keys_table, self.page.name)])
+        base.query_one("#keys", Rows).put([key_row(self.look, self.words, room, self.keys_table, self.page.name)])
 
     def _header(self, shown: Shown, width: int) -> Strip:
         on = shown.snapshot.switches
@@ -421,4 +428,13 @@ class Terminal(MotionKeys):
 
     def on_resize(self) -> None:
         """Another size, another layout: at once."""
-        self.call_after_refresh(self.tick)
+        self.call_after_refresh(self._resized)
+
+    def _buttons(self) -> list[HoldButton]:
+        """That of the screen, and of a dialog above it."""
+        return [button for screen in self.screen_stack for button in screen.query(HoldButton)]
+
+    def _resized(self) -> None:
+        for button in self._buttons():
+            button.place()
+        self.tick()

@@ -16,6 +16,7 @@ from textual.widgets import Static
 
 from tui import debug_panes as panes
 from tui.dialogs import Question
+from tui.hold_button import HoldButton
 from tui.look import Look
 from tui.words import Words
 
@@ -30,6 +31,7 @@ class Debugger(App[None]):
     """Steps through the CNC tasks of a job."""
 
     CSS = """
+    Screen { layers: default above; }
     Static { text-wrap: nowrap; text-overflow: ellipsis; }
     #one { height: 1fr; }
     #source { width: 3fr; height: 100%; }
@@ -62,9 +64,9 @@ class Debugger(App[None]):
         Binding("ctrl+q", "quit", "", priority=True),
     ]
 
-    def __init__(self, session: DebugSession, look: Look, words: Words) -> None:
+    def __init__(self, session: DebugSession, look: Look, words: Words, mouse: bool = True) -> None:
         super().__init__()
-        self.session, self.look, self.words = session, look, words
+        self.session, self.look, self.words, self.mouse = session, look, words, mouse
         self.number = session.tasks[0].number
         #: line under the cursor; follows the task until it is moved
         self.cursor, self.follows = 1, True
@@ -83,6 +85,7 @@ class Debugger(App[None]):
         yield Static(id="tasks")
         yield Static(id="output")
         yield Static(id="keys")
+        yield HoldButton(self.look, self.words, self.action_hold, self.mouse)
 
     def on_mount(self) -> None:
         self.screen.styles.background = self.look.background or None
@@ -93,6 +96,7 @@ class Debugger(App[None]):
         self.set_interval(FRAME_S, self.tick)
 
     def on_resize(self) -> None:
+        self.call_after_refresh(self.query_one(HoldButton).place)
         self.call_after_refresh(self.draw)
 
     # ---- keys
@@ -136,7 +140,8 @@ class Debugger(App[None]):
 
     def action_assign(self) -> None:
         """Asks for a new value of a variable."""
-        question = Question(self.words("debug_assign"), self.words("debug_assign_keys"), field=True)
+        button = HoldButton(self.look, self.words, self.action_hold, self.mouse)
+        question = Question(self.words("debug_assign"), self.words("debug_assign_keys"), button, field=True)
         self.push_screen(question, self._assign)
 
     def _assign(self, text: str | None) -> None:
@@ -181,9 +186,7 @@ class Debugger(App[None]):
 
     def tick(self) -> None:
         """A frame: time passes while some task or axis is at work."""
-        states = [self.session.state(task).state for task in self.session.tasks]
-        works = any(state in ("runs", "waits") for state in states) and not self.session.held
-        if works or self.session.travels:
+        if self.session.works:
             self.session.advance(FRAME_S)
             self.draw()
 
@@ -214,6 +217,7 @@ class Debugger(App[None]):
             self._put("source", text)
             self._put("variables", panes.variables(session, self.number, look))
         self._put("tasks", panes.tasks(session, self.number, look, words))
+        self.query_one(HoldButton).moves = session.works
         self._put("output", panes.output(session, look, self.query_one("#output").size.height))
         keys = f" {self.message}" if self.message else words("debug_keys")
         self._put("keys", Text(keys, style=look.bar, no_wrap=True))

@@ -10,6 +10,7 @@ from textual.containers import Vertical
 from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
+from tui.hold_button import HoldButton
 from tui.keys import SETTLE_S
 
 
@@ -18,7 +19,7 @@ class Question(ModalScreen[str | None]):
 
     AUTO_FOCUS = "Input"
     DEFAULT_CSS = """
-    Question { align: center middle; background: transparent; }
+    Question { align: center middle; background: transparent; layers: default above; }
     Question > Vertical { width: 64; max-width: 100%; height: auto; border: ascii $foreground; padding: 0 1;
         background: $background; }
     Question Static { height: auto; background: $background; color: $foreground; }
@@ -26,8 +27,9 @@ class Question(ModalScreen[str | None]):
     Question Input:focus { border: none; }
     """
 
-    def __init__(self, title: str, keys: str, *, field: bool, settle_s: float = SETTLE_S) -> None:
+    def __init__(self, title: str, keys: str, button: HoldButton, *, field: bool, settle_s: float = SETTLE_S) -> None:
         super().__init__()
+        self._button = button
         self._title, self._keys, self._field = title, keys, field
         self._settle_s, self._opened = settle_s, time.monotonic()
         self._is_answered = False
@@ -39,6 +41,7 @@ class Question(ModalScreen[str | None]):
             if self._field:
                 yield Input(select_on_focus=False, compact=True)
             yield Static(self._keys, markup=False)
+        yield self._button
 
     def answer(self, text: str | None) -> None:
         """Closes the question, once: keys may arrive faster than it goes away. None: left without an answer."""

@@ -53,9 +53,12 @@ def run_terminal(options: argparse.Namespace, language: str) -> int:
                 signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # a page that is closed ends nothing
             colours = (look.background, look.foreground)
             viewer = Viewer(options.view, Words(language)("view_note"), language, colours)
-        terminal = Terminal(engine, look, Words(language), job=options.job, archive=archive, keys=keys, viewer=viewer)
+        mouse = not options.no_mouse
+        terminal = Terminal(
+            engine, look, Words(language), job=options.job, archive=archive, keys=keys, viewer=viewer, mouse=mouse
+        )
         hold_when_hung_up(engine, terminal.leave_from_thread)
-        terminal.run(mouse=not options.no_mouse)
+        terminal.run(mouse=mouse)
         return int(Exit.DONE if terminal.return_code == 0 else Exit.STOPPED)
     finally:
         if viewer is not None:
@@ -121,8 +124,8 @@ def debug(options: argparse.Namespace, look: Look, words: Words) -> int:
 
     machine = load_machine(options.machine, options.job)
     tasks = load_tasks(options, machine)
-    stimulus = load_stimulus(None, options.job, machine)
-    Debugger(debug_session(machine, tasks, stimulus), look, words).run()
+    stimulus, mouse = load_stimulus(None, options.job, machine), not options.no_mouse
+    Debugger(debug_session(machine, tasks, stimulus), look, words, mouse).run(mouse=mouse)
     return int(Exit.DONE)
 
 

@@ -14,6 +14,8 @@ from cnc_front.errors import CompileError, UsageError
 from cnc_front.german import localized, refusal
 from cnc_front.search import Start, start_text
 from tui.dialogs import Question
+from tui.hold_button import HoldButton
+from tui.look import Look
 from tui.operation import HIGH, LOW, Operation
 from tui.program import ProgramView, block_name, find_block
 from tui.states import FACES
@@ -31,6 +33,9 @@ class MotionKeys(App[None]):
 
     engine: Engine
     words: Words
+    look: Look
+    #: whether the mouse is ours
+    mouse: bool
     operation: Operation
     program: ProgramView
     page: Page
@@ -56,7 +61,8 @@ class MotionKeys(App[None]):
             if text is not None:
                 then(text)
 
-        self.push_screen(Question(title, keys, field=field, settle_s=self.settle_s), answered)
+        button = HoldButton(self.look, self.words, self.action_hold, self.mouse)
+        self.push_screen(Question(title, keys, button, field=field, settle_s=self.settle_s), answered)
 
     # ---- hold, start, step, reset
 

@@ -38,3 +38,5 @@ UNDERWAY = {State.RUNNING, State.HOLDING, State.HOLD, State.STEP, State.STOPPED,
 RESUMABLE = {State.HOLD, State.STEP, State.STOPPED}
 #: `r` starts from the top.
 STARTABLE = {State.READY, State.DONE, State.ABORTED}
+#: There is something to hold.
+MOVING = {State.RUNNING, State.WAITING}

@@ -10,6 +10,8 @@ TEXTS: dict[str, tuple[str, str]] = {
     "task_halted": ("halted at writeln", "hält bei writeln"),
     "task_rests": ("at rest", "in Ruhe"),
     "task_error": ("RUNTIME ERROR", "LAUFZEITFEHLER"),
+    "hold_button": ("HOLD", "HALT"),
+    "hold_button_way": ("click", "Klick"),
     "debug_hold": ("HOLD", "HALT"),
     "debug_held": ("held: axes and tasks stand; r goes on", "Halt: Achsen und Tasks stehen; r fährt fort"),
     "debug_resume_first": ("held: r first", "Halt: erst r"),

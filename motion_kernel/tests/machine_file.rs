@@ -1,6 +1,6 @@
 //! Machine files: every finding has its place, and no input makes the reader panic.
 
-use motion_kernel::machine::{BUILTIN, Machine, MachineDiagnostic};
+use motion_kernel::machine::{BUILTIN, Machine, MachineDiagnostic, Side};
 use proptest::prelude::*;
 
 fn findings(text: &str) -> Vec<MachineDiagnostic> {
@@ -189,7 +189,7 @@ fn spool_memory_is_bounded_in_all() {
 
 #[test]
 fn what_an_axis_has_beside_drive_and_loop_is_read_checked_and_shown() {
-    let keys = "mpe = 1.0\nhome_velocity = 5.0\nhome_acceleration = 50.0\nbacklash_compensation = 0.02\n\
+    let keys = "mpe = 1.0\nhome_velocity = 5.0\nhome_acceleration = 50.0\nhome_direction = \"right\"\nbacklash_compensation = 0.02\n\
                 backlash_hysteresis = 0.1\nindex = { position = 1.0, period = 5.0, width = 0.01, inverted = true }\n\
                 encoder = { counts_per_unit = 4000.0, feedback = true }\n\
                 port = { max = 30000.0, min = -20000.0, positive = 50.0, negative = 60.0, inverted = true }";
@@ -199,6 +199,7 @@ fn what_an_axis_has_beside_drive_and_loop_is_read_checked_and_shown() {
     let machine = Machine::parse(text.as_bytes()).expect("valid");
     let equipment = &machine.axes[0].equipment;
     assert_eq!((equipment.home.velocity, equipment.backlash_hysteresis), (Some(5.0), 0.1));
+    assert_eq!((equipment.home.side, machine.axes[1].equipment.home.side), (Side::Right, Side::Left));
     assert!(equipment.index.is_some_and(|i| i.inverted && i.period == 5.0));
     assert!(equipment.encoder.is_some_and(|e| e.feedback) && equipment.port.inverted);
     assert_eq!(
@@ -214,6 +215,8 @@ fn what_an_axis_has_beside_drive_and_loop_is_read_checked_and_shown() {
     };
     assert_eq!(id("width = 0.01", "width = 5.0"), ["MC110"]);
     assert_eq!(id("width = 0.01, ", ""), ["MC104"]);
+    assert_eq!(id("\"right\"", "\"up\""), ["MC107"]);
+    assert_eq!(id("\"right\"", "1"), ["MC105"]);
     assert_eq!(id("max = 30000.0", "max = -25000.0"), ["MC110"]);
     assert_eq!(id("max = 30000.0", "max = 40000.0"), ["MC106"]);
     assert_eq!(id("positive = 50.0", "positive = -1.0"), ["MC106"]);
@@ -224,4 +227,18 @@ fn what_an_axis_has_beside_drive_and_loop_is_read_checked_and_shown() {
     for word in ["pe", "mpee", "referenced"] {
         assert_eq!(id("\"mpe\"", &format!("\"{word}\"")), ["MC107"], "{word}");
     }
+}
+
+#[test]
+fn the_dry_run_feed_is_that_of_the_file_up_to_the_feed_limit() {
+    let with = |line: &str| BUILTIN.replacen("[gcode] ", &format!("[gcode]\n{line} "), 1);
+    let machine = Machine::parse(with("dry_feed = 25.0").as_bytes()).expect("valid");
+    assert_eq!(machine.gcode.dry_feed, 25.0);
+    assert_eq!(Machine::parse(machine.show().as_bytes()), Ok(machine));
+    let builtin = Machine::builtin();
+    assert_eq!(builtin.gcode.dry_feed, builtin.gcode.feed_limit);
+    let found = findings(&with("dry_feed = 1e6"));
+    assert_eq!(found.iter().map(|d| d.id).collect::<Vec<_>>(), ["MC110"]);
+    assert!(found[0].message.contains("above feed_limit"), "{}", found[0].message);
+    assert_eq!(findings(&with("dry_feed = 0.0"))[0].id, "MC106");
 }

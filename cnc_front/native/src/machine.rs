@@ -73,6 +73,11 @@ impl Machine {
     fn feed_limit(&self) -> f64 {
         self.inner.gcode.feed_limit
     }
+    /// Dry-run feed, mm/s.
+    #[getter]
+    fn dry_feed(&self) -> f64 {
+        self.inner.gcode.dry_feed
+    }
     #[getter]
     fn name(&self) -> &str {
         &self.inner.name

@@ -21,12 +21,21 @@ pub struct Equipment {
     pub backlash_hysteresis: f64,
 }
 
-/// Home velocity and acceleration (hvl, hac).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Home velocity and acceleration (hvl, hac), and on which side the application looks for the reference switch.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Home {
     pub velocity: Option<f64>,
     pub acceleration: Option<f64>,
+    pub side: Side,
 }
+
+impl Default for Home {
+    fn default() -> Self {
+        Home { velocity: None, acceleration: None, side: Side::Left }
+    }
+}
+
+pub(super) const SIDES: [(&str, Side); 2] = [("left", Side::Left), ("right", Side::Right)];
 
 /// Index pulse of the encoder: active for `width` from `position` on, again every `period` (0 = a single pulse).
 /// Positions are those of the machine as it boots.
@@ -82,6 +91,7 @@ pub(super) fn equipment(section: &Section<'_, '_>, unit: &str) -> Equipment {
         home: Home {
             velocity: section.number_if_given("home_velocity", &format!("{unit}/s"), TINY..=BIG),
             acceleration: section.number_if_given("home_acceleration", &format!("{unit}/s2"), TINY..=BIG),
+            side: section.word("home_direction", &SIDES, Side::Left),
         },
         index: section.section("index").map(|s| index(s, unit)),
         encoder: section.section("encoder").map(|s| encoder(s, unit)),

@@ -27,6 +27,7 @@ impl GcodeDefaults {
             modereg: bits.0,
             trovrst_s: 0.5,
             feed_limit: 100.0,
+            dry_feed: 100.0,
             trac_feed: 1000.0,
             trac_rapid: 1000.0,
             start_fill: 200,
@@ -50,10 +51,12 @@ impl GcodeDefaults {
 
 pub(super) fn gcode_defaults(section: Section<'_, '_>, axes: &[Axis]) -> GcodeDefaults {
     let default = GcodeDefaults::for_axes(axes.len());
+    let feed_limit = section.number("feed_limit", "mm/s", TINY..=BIG, default.feed_limit);
     let gcode = GcodeDefaults {
         modereg: modereg(&section).unwrap_or(default.modereg),
         trovrst_s: section.number("trovrst_s", "s", 0.0..=1000.0, default.trovrst_s),
-        feed_limit: section.number("feed_limit", "mm/s", TINY..=BIG, default.feed_limit),
+        feed_limit,
+        dry_feed: section.number("dry_feed", "mm/s", TINY..=BIG, feed_limit),
         trac_feed: section.number("trac_feed", "mm/s2", TINY..=BIG, default.trac_feed),
         trac_rapid: section.number("trac_rapid", "mm/s2", TINY..=BIG, default.trac_rapid),
         start_fill: section.integer("start_fill", 1..=1_000_000, default.start_fill),
@@ -77,6 +80,13 @@ pub(super) fn gcode_defaults(section: Section<'_, '_>, axes: &[Axis]) -> GcodeDe
     {
         let message = format!("exact_in_position would wait for ever: ipw of axis {} is 0", axis.name);
         section.finding("dialect", "MC110", &message);
+    }
+    if gcode.dry_feed > feed_limit {
+        section.finding(
+            "dry_feed",
+            "MC110",
+            &format!("above feed_limit ({feed_limit} mm/s), which the path may not pass"),
+        );
     }
     section.done();
     gcode

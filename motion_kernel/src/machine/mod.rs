@@ -208,6 +208,8 @@ pub struct GcodeDefaults {
     pub trovrst_s: f64,
     /// Highest path feed, mm/s.
     pub feed_limit: f64,
+    /// Dry-run feed of the operator's terminal, mm/s; at most the feed limit.
+    pub dry_feed: f64,
     /// Path acceleration of feed and rapid moves, mm/s².
     pub trac_feed: f64,
     pub trac_rapid: f64,

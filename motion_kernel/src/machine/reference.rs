@@ -93,6 +93,11 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ("axis.reference", "Reference position of G28, machine coordinate.", ""),
     ("axis.home_velocity", "Velocity hvl of jhi, jhl, jhr (4.4.148).", "jog_velocity / 4"),
     ("axis.home_acceleration", "Acceleration hac of jhi, jhl, jhr (4.4.147).", "jog_acceleration"),
+    (
+        "axis.home_direction",
+        "Side on which the terminal's home search looks for the switch (jhl, jhr); the index is searched the other way.",
+        "",
+    ),
     ("axis.backlash_compensation", "Way that the motor is sent further to the left after a reversal.", ""),
     ("axis.backlash_hysteresis", "Way back before a reversal counts.", ""),
     ("axis.index.position", "Where an index pulse of the encoder begins, machine coordinate.", ""),
@@ -148,6 +153,11 @@ const TEXTS: &[(&str, &str, &str)] = &[
     ),
     ("gcode.trovrst_s", "Time for an override change of 1.0 (TROVRST); 0 = at once.", ""),
     ("gcode.feed_limit", "Highest path feed.", ""),
+    (
+        "gcode.dry_feed",
+        "Dry-run feed of the terminal, at most feed_limit; the operator may choose another.",
+        "feed_limit",
+    ),
     ("gcode.trac_feed", "Path acceleration of feed moves.", ""),
     ("gcode.trac_rapid", "Path acceleration of rapid moves.", ""),
     ("gcode.start_fill", "Entries that are spooled before motion starts.", ""),

@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Write};
 
-use super::equipment::OUTPUT_FUNCTIONS;
+use super::equipment::{OUTPUT_FUNCTIONS, SIDES};
 use super::file::{CONTROLS, DRIVES, INPUT_FUNCTIONS, KINDS, LIMIT_FUNCTIONS};
 use super::gcode::{ARC_CENTRES, DWELL_UNITS, PROFILES};
 use super::*;
@@ -139,12 +139,13 @@ impl Out {
         self.value("reversed", a.plant.reversed);
     }
     fn equipment(&mut self, e: &Equipment) {
-        let Home { velocity, acceleration } = e.home;
+        let Home { velocity, acceleration, side } = e.home;
         for (key, value) in [("home_velocity", velocity), ("home_acceleration", acceleration)] {
             if let Some(value) = value {
                 self.value(key, number(value));
             }
         }
+        self.text("home_direction", word(&SIDES, &side));
         if let Some(Index { position, period, width, inverted }) = e.index {
             let numbers = format!("position = {position:?}, period = {period:?}, width = {width:?}");
             self.value("index", format_args!("{{ {numbers}, inverted = {inverted} }}"));
@@ -182,6 +183,7 @@ impl Out {
         self.names("modereg", ModeReg(g.modereg).names());
         self.value("trovrst_s", number(g.trovrst_s));
         self.value("feed_limit", number(g.feed_limit));
+        self.value("dry_feed", number(g.dry_feed));
         self.value("trac_feed", number(g.trac_feed));
         self.value("trac_rapid", number(g.trac_rapid));
         self.value("start_fill", g.start_fill);
