@@ -88,6 +88,8 @@ class AxisValues:
     jog_feed: float = 0.0  # units a minute
     #: how `home` finds its reference; empty: it cannot
     homing: str = ""
+    home_side: str = "left"  # of the switch; the index is searched the other way
+    home_place: int = 0  # in the order in which all axes are homed, from 1
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,8 @@ from cnc_front.jobs import MachineFile
 #: A second, slow approach makes the place independent of the speed: way off the switch (axis units), speed ratio.
 OFF_SWITCH, SLOW = 10.0, 0.05
 STEPS_OFF = 20
+#: Axes that are homed first, by letter: away from the work before the others move.
+HOMED_FIRST = ("Z", "W")
 #: A position that no index pulse has.
 NOWHERE = 1e12
 #: Bits of axst: limit switches and software limits.
@@ -69,6 +71,8 @@ class Bench:
     file: MachineFile
     place: Place
     mcu: native_kernel.Mcu = field(init=False)
+    #: all axes that can be homed, those first that lead away from the work
+    home_order: list[int] = field(init=False)
     #: "", "jog", "home" or "mdi": what is under way
     doing: str = field(init=False, default="")
     line: int = field(init=False, default=0)
@@ -87,6 +91,9 @@ class Bench:
     def __post_init__(self) -> None:
         self._tree = tomllib.loads(self.file.machine.show())
         self.mcu = self.place.boot(self.file)
+        letters = self.file.machine.letters
+        able = [axis for axis in range(len(self.names)) if self.homing(axis)]
+        self.home_order = sorted(able, key=lambda axis: letters[axis] not in HOMED_FIRST)
 
     @property
     def names(self) -> list[str]:
@@ -274,32 +281,41 @@ class Bench:
             found.append("index")
         return "+".join(found)
 
+    def home_side(self, axis: int) -> str:
+        """Where the switch is looked for: "left" or "right"."""
+        return str(self._tree["axis"][axis]["home_direction"])
+
     def home(self, axes: Sequence[int]) -> None:
-        """Homes axes that can be homed, one after the other."""
+        """Homes axes that can be homed, one after the other, in that order."""
+        axes = [axis for axis in self.home_order if axis in axes]
         self._begin("home", "entered")
         self._steps = self._search(axes)
         next(self._steps)
 
     def _search(self, axes: Sequence[int]) -> Iterator[None]:
-        """Onto the switch, off it, slowly onto it; then the next index pulse. Each `yield` waits for standstill."""
+        """Onto the switch, off it, slowly onto it; then the next index pulse the other way. Each `yield` waits for
+        standstill."""
         for axis in axes:
             tree, how = self._tree["axis"][axis], self.homing(axis)
+            back = 1.0 if self.home_side(axis) == "left" else -1.0
             speed = self.mcu.read_axis_register(axis, "hvl")
             place: float | None = None  # of the reference, as the axis counts now
             if "switch" in how:
                 yield from self._onto_switch(axis, speed)
-                yield from self._off_switch(axis)
+                yield from self._off_switch(axis, back)
                 if self.error:
                     return
                 yield from self._onto_switch(axis, speed * SLOW)
-                place = self.mcu.read_axis(axis)["rp"] if self._on_switch(axis) else None
+                # an endless search ends at the switch or at a limit; the edge itself may be behind the axis again
+                found = not self.error and "cl" in self.mcu.status()["axes"][axis]["axst"]
+                place = self.mcu.read_axis(axis)["rp"] if found else None
             if "index" in how and (place is not None or how == "index"):
                 index: Mapping[str, float] = tree["index"]
                 self.mcu.write_axis_register(axis, "hvl", speed * SLOW)
                 self.mcu.write_axis_register(axis, "lpndx", NOWHERE)
                 self.mcu.rdigi(axis)
                 way = 1.5 * index["period"] if index.get("period", 0.0) > 0 else OFF_SWITCH
-                self.mcu.search("index", [axis], [way])
+                self.mcu.search("index", [axis], [back * way])
                 yield
                 place = self.mcu.read_axis_register(axis, "lpndx")
             self.mcu.write_axis_register(axis, "hvl", speed)
@@ -313,12 +329,12 @@ class Bench:
 
     def _onto_switch(self, axis: int, velocity: float) -> Iterator[None]:
         self.mcu.write_axis_register(axis, "hvl", velocity)
-        self.mcu.search("left", [axis], [0.0])
+        self.mcu.search(self.home_side(axis), [axis], [0.0])
         yield
 
-    def _off_switch(self, axis: int) -> Iterator[None]:
+    def _off_switch(self, axis: int, back: float) -> Iterator[None]:
         for _ in range(STEPS_OFF):
-            self.mcu.jog([axis], [OFF_SWITCH], True)
+            self.mcu.jog([axis], [back * OFF_SWITCH], True)
             yield
             if not self._on_switch(axis):
                 return

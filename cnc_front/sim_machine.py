@@ -21,9 +21,6 @@ from cnc_front.sim_view import SPEED_CD, Common, Operator, bench_snapshot, run_s
 if TYPE_CHECKING:
     from cnc_front.sim_record import RunRecording
 
-#: Axes that are homed first, by letter: away from the work before the others move.
-_FIRST = ("Z", "W")
-
 
 @dataclass(slots=True)
 class SimMachine:
@@ -270,8 +267,6 @@ class SimMachine:
     def home(self, names: Sequence[str]) -> None:
         """Axes one after the other, those away from the work first."""
         axes = [axis for name in names if (axis := self._axis(name)) is not None]
-        letters = self.bench.file.machine.letters
-        axes.sort(key=lambda a: letters[a] not in _FIRST)
         if not axes or not self._take_over():
             return
         missing = [self.bench.names[a] for a in axes if not self.bench.homing(a)]

@@ -175,7 +175,7 @@ def _state(run: SimRun, status: dict[str, Any]) -> tuple[State, str, tuple[int, 
 
 
 def _axis(bench: Bench, a: int, values: dict[str, Any]) -> AxisValues:
-    machine = bench.file.machine
+    machine, order = bench.file.machine, bench.home_order
     return AxisValues(
         name=machine.axis_names[a],
         unit=machine.units[a],
@@ -192,6 +192,8 @@ def _axis(bench: Bench, a: int, values: dict[str, Any]) -> AxisValues:
         gains=bench.gains(a),
         jog_feed=bench.jog_feed(a),
         homing=bench.homing(a),
+        home_side=bench.home_side(a),
+        home_place=order.index(a) + 1 if a in order else 0,
     )
 
 

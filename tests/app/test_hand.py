@@ -107,6 +107,19 @@ def test_homing_finds_the_same_place_from_anywhere() -> None:
     engine.close()
 
 
+def test_homing_goes_where_the_machine_file_says(tmp_path: Path) -> None:
+    machine = tmp_path / "right.toml"
+    text = Path(CELL).read_text().replace("while X < -80: input 1", "while X > 250: input 1")
+    machine.write_text(text.replace('name = "X"', 'name = "X"\nhome_direction = "right"', 1))
+    engine = SimEngine(str(machine), speed=0)
+    home = settled(engine, lambda: engine.home(["Y", "X"]))
+    assert home.message == "" and [axis.home_side for axis in home.axes] == ["right", "left", "left"]
+    assert [axis.home_place for axis in home.axes] == [1, 2, 0]
+    # onto the switch at 250 from the left, then back to the last index pulse before it: 1.3 + 49 * 5
+    assert engine._machine.bench.place.shift == pytest.approx((-246.3, 46.9, 0.0), abs=0.03)
+    engine.close()
+
+
 def test_a_search_that_finds_nothing_says_so_and_ends() -> None:
     engine = SimEngine(SWITCHES, speed=0)  # without its rules nothing actuates the switch
     after = settled(engine, lambda: engine.home(["X"]))

@@ -15,9 +15,10 @@ from tests.tui.fake import AXES, FakeEngine
 from tests.tui.stage import NARROW, WIDE, Stage, play, same_frame
 
 GAINS = (("kp", 0.6553), ("ki", 0.0), ("kd", 0.0), ("kpl", 0.0), ("kfcv", 0.0131), ("kfca", 0.00005))
+HOW = ("switch", "switch+index", "index")
 EQUIPPED = tuple(
-    replace(axis, limits=(-600.0, 600.0), jog_feed=3000.0, gains=GAINS, homing=how)
-    for axis, how in zip(AXES, ("switch", "switch+index", "index"), strict=True)
+    replace(axis, limits=(-600.0, 600.0), jog_feed=3000.0, gains=GAINS, homing=how, home_side=side, home_place=place)
+    for axis, how, side, place in zip(AXES, HOW, ("left", "right", "left"), (2, 3, 1), strict=True)
 )
 
 

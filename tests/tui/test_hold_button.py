@@ -1,8 +1,7 @@
-"""The HOLD button: on every screen and in every dialog, in the same corner, and nothing else on screen moves or stops."""
+"""The HOLD button: on every screen and in every dialog, in the same corner; it is all that the mouse does to motion."""
 
 from __future__ import annotations
 
-import asyncio
 from pathlib import Path
 
 import pytest

@@ -16,6 +16,7 @@ from tui.pages.base import Page
 from tui.rows import Row
 from tui.values import Shown
 from tui.widgets import Body
+from tui.words import Words
 
 if TYPE_CHECKING:
     from tui.app import Terminal
@@ -49,7 +50,7 @@ class ManualPage(Page):
         self.selected = min(self.selected, max(0, len(axes) - 1))
         rows = [*axis_rows(shown, self.selected, STEPS[self.step], self.is_on), _rule(shown, width)]
         rows += key_rows(shown, self.selected, width)
-        rows += [_rule(shown, width), *zero_rows(shown), *input_rows(shown), *gain_rows(shown)]
+        rows += [_rule(shown, width), *zero_rows(shown), *home_rows(shown), *input_rows(shown), *gain_rows(shown)]
         return [row.strip(width) for row in rows]
 
     # ---- what ends jogging
@@ -137,7 +138,7 @@ class ManualPage(Page):
     def key_home_all(self) -> None:
         """Asks, with order, ways and directions, then homes all axes that can be; away from the work first."""
         if self._is_free():
-            self._ask_home(sorted(self._axes(), key=lambda axis: axis.name not in ("Z", "W")))
+            self._ask_home(sorted(self._axes(), key=lambda axis: axis.home_place))
 
     def _ask_home(self, axes: Sequence[AxisValues]) -> None:
         words = self.app.words
@@ -146,7 +147,7 @@ class ManualPage(Page):
         if not axes:
             self.app.say(words("home_none", axes=", ".join(without)))
             return
-        ways = ", ".join(f"{axis.name} {words('home_' + axis.homing.replace('+', '_'))}" for axis in axes)
+        ways = ", ".join(f"{axis.name} {home_way(axis, words)}" for axis in axes)
         names = [axis.name for axis in axes]
         title = words("home_ask", ways=ways)
         if without:
@@ -265,6 +266,26 @@ def zero_rows(shown: Shown) -> list[Row]:
             row.add(f"{axis.name} ", shown.look.strong).add(f"{axis.zero:+.4f}  {words('program_at')} ")
             row.add(f"{axis.actual - axis.zero + 0.0:+.4f}   ")
         rows.append(row)
+    return rows
+
+
+def home_way(axis: AxisValues, words: Words, form: str = "home") -> str:
+    """How an axis finds its reference: to which side, onto what."""
+    to, back = ("left", "right") if axis.home_side == "left" else ("right", "left")
+    return words(f"{form}_{axis.homing.replace('+', '_')}", to=words(f"home_{to}"), back=words(f"home_{back}"))
+
+
+def home_rows(shown: Shown) -> list[Row]:
+    """In which order and to which side all axes are homed, two in a row."""
+    words, look = shown.words, shown.look
+    able = sorted((axis for axis in shown.snapshot.axes if axis.homing), key=lambda axis: axis.home_place)
+    texts = [f"{axis.home_place} {axis.name} {home_way(axis, words, 'home_short')}" for axis in able]
+    without = [axis.name for axis in shown.snapshot.axes if not axis.homing]
+    texts += [words("home_cannot", axes=" ".join(without))] if without else []
+    rows = []
+    for first in range(0, len(texts), 2):
+        row = Row(shown.value).add(f" {words('home_title')}" if not first else "", look.dim)
+        rows.append(row.at(16, texts[first]).at(48, "".join(texts[first + 1 : first + 2])))
     return rows
 
 
