@@ -61,10 +61,12 @@ class Switches:
 
     optional_stop: bool = False
     skip: tuple[int, ...] = ()
-    #: feed moves at the highest feed of the machine instead of F
+    #: feed moves at the dry-run feed instead of F
     dry_run: bool = False
     #: the program runs, stops for nobody, and the axes stay where they are
     program_test: bool = False
+    #: mm/min; None: that of the machine file
+    dry_feed: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +147,8 @@ class Snapshot:
     start_line: int = 0  # the loaded job begins at this line; 0: at its top
     mdi: str = ""  # the MDI block that was checked and may be started
     mdi_modal: str = ""  # modal state of MDI, behind its last block
+    dry_feed: float = 0.0  # mm/min, of the switches or the machine file
+    feed_limit: float = 0.0  # mm/min, highest path feed of the machine
     replay: bool = False  # a recording is shown; nothing moves
     output: tuple[str, ...] = ()  # what rw_SymPas statements wrote, newest last
 

@@ -24,6 +24,12 @@ from cnc_front.sim_job import LoadedJob, load_source
 BLOCK = re.compile(r"N?[0-9]{1,9}")
 
 
+def dry_feed(switches: Switches, machine: MachineFile) -> float:
+    """The dry-run feed in mm/s: what the operator chose, else that of the machine file; never above its feed limit."""
+    chosen = machine.machine.dry_feed if switches.dry_feed is None else switches.dry_feed / 60.0
+    return min(chosen, machine.machine.feed_limit)
+
+
 @dataclass(frozen=True, slots=True)
 class Asked:
     """What was loaded under which conditions: where one of them changed, the program must be checked again."""
@@ -64,7 +70,7 @@ class Loader:
             self.options,
             optional_stop=switches.optional_stop,
             block_delete=switches.skip,
-            dry_feed=machine.machine.feed_limit if switches.dry_run else None,
+            dry_feed=dry_feed(switches, machine) if switches.dry_run else None,
         )
 
     def load(self, path: str, start: str | None, switches: Switches, bench: Bench) -> Loaded:

@@ -11,6 +11,7 @@ from cnc_front.engine import Alarm, AxisValues, Mode, Snapshot, State, Stop, Swi
 from cnc_front.execution import AlarmEvent, End
 from cnc_front.sim_bench import Bench
 from cnc_front.sim_job import LoadedJob
+from cnc_front.sim_load import dry_feed
 from cnc_front.sim_run import SimRun
 
 #: Bits of Chunk.flags.
@@ -92,7 +93,7 @@ def _bench_state(common: Common) -> tuple[State, str]:
 
 def _shared(common: Common, status: dict[str, Any]) -> dict[str, Any]:
     """What both kinds of snapshot say alike."""
-    operator = common.operator
+    operator, file = common.operator, common.bench.file
     axes = tuple(_axis(common.bench, a, values) for a, values in enumerate(status["axes"]))
     return {
         "axes": axes,
@@ -102,6 +103,8 @@ def _shared(common: Common, status: dict[str, Any]) -> dict[str, Any]:
         "mode": common.mode,
         "rapid_set": operator.rapid,
         "switches": operator.switches,
+        "dry_feed": dry_feed(operator.switches, file) * 60.0,
+        "feed_limit": file.machine.feed_limit * 60.0,
         "revision": common.revision,
         "start_line": common.start_line,
         "mdi": common.mdi,

@@ -45,6 +45,7 @@ KEYS: tuple[Key, ...] = (
     Key("switch('optional_stop')", "o", "o", "optional stop M01 on/off", "wahlweiser Halt M01 ein/aus"),
     Key("switch('skip')", "slash", "/", "block skip on/off", "Satz ausblenden ein/aus"),
     Key("switch('dry_run')", "d", "d", "dry-run feed on/off (standstill)", "Probelaufvorschub (im Stillstand)"),
+    Key("dry_feed", "D", "D", "dry-run feed in mm/min (standstill)", "Probelaufvorschub als Wert (im Stillstand)"),
     Key("switch('program_test')", "p", "p", "program test on/off (standstill)", "Programmtest (im Stillstand)"),
     Key("override_value", "equals_sign", "=", "feed override by value", "Vorschubkorrektur als Wert"),
     Key("speed(-1)", "comma", ",", "simulation slower", "Simulation langsamer"),

@@ -122,6 +122,15 @@ class MotionKeys(App[None]):
         """Optional stop, block skip, dry-run feed, program test."""
         self.operation.switch(name)
 
+    def action_dry_feed(self) -> None:
+        """Asks for the dry-run feed."""
+        s = self.engine.snapshot()
+        if self.operation.is_underway:
+            self.say(self.words("switch_standstill"))
+        else:
+            title = self.words("dry_feed_ask", most=s.feed_limit, now=s.dry_feed)
+            self.ask(title, self.words("field_keys"), self.operation.dry_feed_from)
+
     def action_speed(self, by: int) -> None:
         """Simulation speed."""
         self.operation.change_speed(by)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -14,6 +15,8 @@ from tui.words import Words
 
 #: Feed override, percent. The controller refuses 0.
 LOW, HIGH, STEP = 5, 150, 5
+#: Lowest dry-run feed, mm/min.
+LOWEST_FEED = 1.0
 SPEEDS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 0.0)
 #: Rapid override, percent (ui-guide section 3).
 RAPIDS = (25, 50, 100)
@@ -25,6 +28,15 @@ ARMED_S = 3.0
 _ECHO_S = 0.3
 
 Say = Callable[[str], None]
+
+
+def number_of(text: str) -> float | None:
+    """What was typed, with a point or a comma; None for what is no finite number."""
+    try:
+        number = float(text.strip().replace(",", "."))
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
 
 
 class Operation:
@@ -135,6 +147,19 @@ class Operation:
         }
         self._engine.set_switches(changed[name])
 
+    def dry_feed_from(self, text: str) -> None:
+        """Dry-run feed as typed, mm/min, at standstill before the start; nothing typed: that of the machine file."""
+        s = self._engine.snapshot()
+        feed = number_of(text) if text.strip() else None
+        if self.is_underway:
+            self._say(self._words("switch_standstill"))
+        elif text.strip() and (feed is None or not LOWEST_FEED <= feed <= s.feed_limit):
+            self._say(self._words("dry_feed_bad", text=text.strip()[:20], low=LOWEST_FEED, most=s.feed_limit))
+        else:
+            self._engine.set_switches(replace(s.switches, dry_feed=feed))
+            said = "dry_feed_machine" if feed is None else "dry_feed_set" if s.switches.dry_run else "dry_feed_off"
+            self._say(self._words(said, feed=feed))
+
     def change_rapid(self, by: int) -> None:
         """To the next of RAPIDS."""
         now = round(self._engine.snapshot().rapid_set * 100)
@@ -183,11 +208,8 @@ class Operation:
 
     def override_from(self, text: str) -> None:
         """What was typed."""
-        try:
-            percent = float(text.strip().rstrip("%").replace(",", "."))
-        except ValueError:
-            percent = -1.0
-        if LOW <= percent <= HIGH:
+        percent = number_of(text.strip().rstrip("%"))
+        if percent is not None and LOW <= percent <= HIGH:
             self.set_override(percent)
         else:
             self._say(self._words("override_bad", text=text.strip()[:20], low=LOW, high=HIGH))

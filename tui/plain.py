@@ -23,7 +23,7 @@ from tui.archive import Archive
 from tui.keeper import Keeper
 from tui.look import make_look
 from tui.messages import Messages
-from tui.operation import Operation
+from tui.operation import Operation, number_of
 from tui.plain_words import VERBS, verb_of
 from tui.program import block_name, find_block
 from tui.rows import clean
@@ -209,7 +209,7 @@ class Plain:
         self._operation.override_from(text)
 
     def _do_speed(self, text: str) -> None:
-        factor = 0.0 if text in ("max", "0") else _number(text)
+        factor = 0.0 if text in ("max", "0") else number_of(text)
         if factor is None or not 0 <= factor <= 1000:
             self._print(self._words("plain_speed_bad", text=text[:20]))
         else:
@@ -294,10 +294,10 @@ class Plain:
 
     def _do_wait(self, text: str) -> None:
         """Until the job stands, at most so many seconds."""
-        self._waits_until = time.monotonic() + (_number(text) or 86400.0)
+        self._waits_until = time.monotonic() + (number_of(text) or 86400.0)
 
     def _do_every(self, text: str) -> None:
-        seconds = _number(text)
+        seconds = number_of(text)
         if seconds is None or not 0 <= seconds <= 3600:
             self._print(self._words("plain_every_bad", text=text[:20]))
         else:
@@ -320,10 +320,3 @@ class Plain:
 
 #: States in which the job goes on only by a command.
 _STANDS = (State.HOLD, State.STEP, State.STOPPED)
-
-
-def _number(text: str) -> float | None:
-    try:
-        return float(text.replace(",", "."))
-    except ValueError:
-        return None

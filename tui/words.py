@@ -131,6 +131,20 @@ TEXTS: dict[str, tuple[str, str]] = {
     "goto_job": ("No program to search.", "Kein Programm zum Suchen."),
     "override_ask": ("Feed override in % ({low}..{high}):", "Vorschubkorrektur in % ({low}..{high}):"),
     "override_bad": ("{text}: not a number from {low} to {high}.", "{text}: keine Zahl von {low} bis {high}."),
+    "dry_feed_ask": (
+        "Dry-run feed in mm/min, up to {most:g} (now {now:g}; Enter alone: machine file):",
+        "Probelaufvorschub in mm/min, bis {most:g} (jetzt {now:g}; nur Enter: Maschinendatei):",
+    ),
+    "dry_feed_bad": (
+        "{text}: not a feed from {low:g} to {most:g} mm/min (feed_limit of the machine file).",
+        "{text}: kein Vorschub von {low:g} bis {most:g} mm/min (feed_limit der Maschinendatei).",
+    ),
+    "dry_feed_set": ("Dry-run feed {feed:g} mm/min.", "Probelaufvorschub {feed:g} mm/min."),
+    "dry_feed_off": (
+        "Dry-run feed {feed:g} mm/min; d switches it on.",
+        "Probelaufvorschub {feed:g} mm/min; d schaltet ihn ein.",
+    ),
+    "dry_feed_machine": ("Dry-run feed as in the machine file.", "Probelaufvorschub der Maschinendatei."),
     "quit_ask": (
         "Quit cnc-front? The simulated machine ends with it.",
         "Beenden? Die simulierte Maschine endet damit.",

@@ -257,6 +257,20 @@ def test_dry_run_feed_and_program_test(engine: SimEngine, job: Callable[..., Pat
     assert test.path_done_mm == pytest.approx(96.0) and commands(test)[0] == 4.0, "no axis moved"
 
 
+def test_the_dry_run_feed_is_the_operators_else_that_of_the_machine_file(
+    tmp_path: Path, job: Callable[..., Path]
+) -> None:
+    text = (ROOT / "examples/machines/mill3.toml").read_text()
+    (tmp_path / "m.toml").write_text(text.replace("[gcode] ", "[gcode]\ndry_feed = 25.0 ", 1))
+    engine = SimEngine(str(tmp_path / "m.toml"), speed=0)
+    loaded(engine, job("G90 G21\nG1 X50 F600\nX0\nM30\n"))
+    engine.set_switches(Switches(dry_run=True))
+    assert run(engine).machine_time_s == pytest.approx(4.0, abs=0.6) and engine.snapshot().dry_feed == 1500.0
+    engine.set_switches(Switches(dry_run=True, dry_feed=3000.0))
+    assert run(engine).machine_time_s == pytest.approx(2.0, abs=0.6) and engine.snapshot().dry_feed == 3000.0
+    engine.close()
+
+
 def test_rapid_override_acts_on_rapids_alone(engine: SimEngine, job: Callable[..., Path]) -> None:
     text = "G90 G21\nG0 X300\nG1 X310 F600\nG0 X0\nM30\n"
     loaded(engine, job(text))

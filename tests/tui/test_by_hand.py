@@ -269,6 +269,32 @@ def test_switches(key: str, call: str, flag: str) -> None:
     play(script, engine, NARROW)
 
 
+@pytest.mark.parametrize(
+    ("typed", "feed", "says"),
+    [("1200", 1200.0, "1200 mm/min; d switches"), ("1,5", 1.5, ""), ("", None, "as in the machine file")],
+)
+def test_dry_run_feed_by_value(typed: str, feed: float | None, says: str) -> None:
+    engine = equipped()
+    engine.show(feed_limit=6000.0, dry_feed=6000.0, switches=Switches(dry_feed=77.0))
+
+    async def script(stage: Stage) -> None:
+        await stage.press("D")
+        assert "up to 6000 (now 6000" in await stage.frame()
+        await stage.press(*(key.replace(",", "comma") for key in typed), "enter")
+        assert engine.now.switches.dry_feed == feed and says in stage.message
+
+    play(script, engine, NARROW)
+
+
+@pytest.mark.parametrize("typed", ["0", "6001", "fast", "nan"])
+def test_a_dry_run_feed_that_cannot_be_is_refused(typed: str) -> None:
+    assert asked("D", *typed, "enter", feed_limit=6000.0) == []
+
+
+def test_the_dry_run_feed_changes_at_standstill_alone() -> None:
+    assert asked("D", "5", "enter", feed_limit=6000.0, state=State.RUNNING) == []
+
+
 def test_rapid_override() -> None:
     assert asked("less_than_sign", "less_than_sign", "less_than_sign", page="f3") == [
         "rapid 0.5",
