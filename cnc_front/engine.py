@@ -149,6 +149,7 @@ class Snapshot:
     mdi_modal: str = ""  # modal state of MDI, behind its last block
     dry_feed: float = 0.0  # mm/min, of the switches or the machine file
     feed_limit: float = 0.0  # mm/min, highest path feed of the machine
+    forced: tuple[int, ...] = ()  # inputs that the operator has forced, also in later runs
     replay: bool = False  # a recording is shown; nothing moves
     output: tuple[str, ...] = ()  # what rw_SymPas statements wrote, newest last
 
@@ -240,6 +241,9 @@ class Engine(Protocol):
 
     def force_input(self, number: int, on: bool) -> None:
         """Makes a simulated input (1 to 16) active or inactive."""
+
+    def release_inputs(self) -> None:
+        """No input is forced any more; a reset does this too."""
 
     # ---- MDI
 

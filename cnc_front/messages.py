@@ -228,6 +228,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "jog_loop": ("{axis}: the loop is open", "{axis}: der Regelkreis ist offen"),
     "jog_discarded": ("{axis}: the step was discarded", "{axis}: der Schritt wurde verworfen"),
+    "jogs_ended": (
+        "HOLD: the jog of {axes} has ended here for good; r goes on with what is behind it",
+        "HALT: das Tippen von {axes} ist hier zu Ende; r fährt mit dem fort, was danach kommt",
+    ),
     "home_missing": (
         "{axes}: the machine file has no reference switch and no periodic index",
         "{axes}: die Maschinendatei hat keinen Referenzschalter und keinen periodischen Index",

@@ -170,6 +170,10 @@ class ReplayEngine:
         """Refused."""
         self._refuse()
 
+    def release_inputs(self) -> None:
+        """Refused."""
+        self._refuse()
+
     def start_mdi(self) -> None:
         """Refused."""
         self._refuse()

@@ -198,6 +198,10 @@ class SimEngine:
         """Makes a simulated input active or inactive."""
         self._wish(lambda: self._machine.force_input(number, on))
 
+    def release_inputs(self) -> None:
+        """No input is forced any more."""
+        self._wish(self._machine.release_inputs)
+
     def start_mdi(self) -> None:
         """Executes the block that was checked."""
         self._wish(lambda: self._paced(self._machine.start_mdi))

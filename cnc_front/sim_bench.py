@@ -24,7 +24,10 @@ NOWHERE = 1e12
 #: Bits of axst: limit switches and software limits.
 LIMITS = frozenset({"lslh", "lsrh", "lsls", "lsrs"})
 #: Bits of CNCTS.running (4.3.2.10).
-HALTED_AT_WRITELN = 4
+EXECUTES, HALTED_AT_WRITELN = 1, 4
+#: Common integers between translator and application: they are no variables of the operator.
+RESERVED = (99, 198)
+COMMONS = 1000
 #: Lines that statements wrote and that are kept.
 LINES = 200
 #: Samples behind the end of motion until the axes have settled.
@@ -77,6 +80,8 @@ class Bench:
     doing: str = field(init=False, default="")
     line: int = field(init=False, default=0)
     held: bool = field(init=False, default=False)
+    #: axes whose jog the hold has ended: `resume` does not bring it back
+    ended: tuple[str, ...] = field(init=False, default=())
     #: what went wrong: an id of cnc_front.messages and its values
     error: tuple[str, dict[str, Any]] | None = field(init=False, default=None)
     #: what stopped the axes, until they move again
@@ -85,7 +90,8 @@ class Bench:
     #: what else is needed for a home search: each step starts a motion
     _steps: Iterator[None] | None = field(init=False, default=None)
     _settle: int = field(init=False, default=0)
-    _forced: dict[int, bool] = field(init=False, default_factory=dict)
+    #: inputs that the operator has forced: to what, and what they were before
+    _forced: dict[int, tuple[bool, bool]] = field(init=False, default_factory=dict)
     _tree: dict[str, Any] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -110,15 +116,16 @@ class Bench:
         """Emulated time passes."""
         return self.is_busy and not (self.held and self._settle <= 0)
 
-    def move_to(self, at: Sequence[float], outputs: int, speed: tuple[int, float]) -> None:
-        """The machine stands elsewhere: a program has moved it. Outputs and the common double of S stay."""
+    def move_to(self, at: Sequence[float], ran: native_kernel.Mcu) -> None:
+        """The machine stands elsewhere: a program has moved it, on a controller of its own. Its outputs and common
+        variables stay."""
         self.place = self.place.moved(at)
         self.mcu, self.doing, self.held = self.place.boot(self.file), "", False
         self.place = self.place.moved(self.positions())  # a program begins on whole counts, as the set points do
         for axis in range(len(at)):
-            self.mcu.wrdigo(axis, outputs)
-        self.mcu.wrcd(*speed)
-        for number, on in self._forced.items():
+            self.mcu.wrdigo(axis, ran.rddigo())
+        copy_commons(ran, self.mcu)
+        for number, (on, _) in self._forced.items():
             self._level(self.mcu, number, on)
 
     def positions(self) -> tuple[float, ...]:
@@ -146,7 +153,7 @@ class Bench:
         if outcome != "entered":
             return "loop" if outcome == "refused" else outcome
         self.doing, self.held, self.error, self._settle = doing, False, None, SETTLE
-        self.alarms = ()
+        self.alarms, self.ended = (), ()
         return ""
 
     def set_zero(self, axis: int) -> None:
@@ -157,10 +164,25 @@ class Bench:
 
     def force(self, number: int, on: bool, *also: native_kernel.Mcu) -> None:
         """An input becomes active or inactive, whatever its inversion, and stays so in later controllers too."""
-        self._forced[number] = on
+        before = bool(self.mcu.rddigi(0) >> (number - 1) & 1)
+        self._forced[number] = (on, self._forced[number][1] if number in self._forced else before)
         for mcu in (self.mcu, *also):
             self._level(mcu, number, on)
         self.mcu.pass_on(1)
+
+    @property
+    def forced(self) -> tuple[int, ...]:
+        """The inputs that are forced."""
+        return tuple(sorted(self._forced))
+
+    def release(self, *also: native_kernel.Mcu) -> None:
+        """No input is forced any more; each is again what it was before."""
+        for number, (_, before) in self._forced.items():
+            for mcu in (self.mcu, *also):
+                self._level(mcu, number, before)
+        if self._forced:
+            self.mcu.pass_on(1)
+        self._forced.clear()
 
     def _level(self, mcu: native_kernel.Mcu, number: int, on: bool) -> None:
         inverted = sum(1 << (i["number"] - 1) for i in self._tree.get("input", ()) if i.get("inverted"))
@@ -172,7 +194,7 @@ class Bench:
     def fitted(self) -> native_kernel.Mcu:
         """A controller for a program that begins here, with the inputs that were forced."""
         mcu = self.place.boot(self.file)
-        for number, on in self._forced.items():
+        for number, (on, _) in self._forced.items():
             self._level(mcu, number, on)
         return mcu
 
@@ -188,10 +210,16 @@ class Bench:
         self._begin("mdi", "entered")
 
     def hold(self) -> bool:
-        """Interpolations of a statement brake on their path and can go on: True. Jogs and searches end."""
-        if self.doing == "mdi":
+        """Interpolations of a statement brake on their path, and its task stops; both can go on: True. Jogs and
+        searches end, each axis on its own ramp; where nothing else is left, nothing can go on: False."""
+        status = self.mcu.status()["axes"]
+        direct = [axis["spooler"] == "Direct" for axis in status]
+        jogs = [n for n, axis, d in zip(self.names, status, direct, strict=True) if d and "pe" not in axis["axst"]]
+        goes_on = not all(direct) or self.mcu.rdcncts(0)[2] & EXECUTES
+        if self.doing == "mdi" and (goes_on or not jogs):
             self.mcu.hold()
             self.held, self._settle = True, SETTLE
+            self.ended = tuple(jogs)
             return True
         self._steps = None
         self.mcu.js(list(range(len(self.names))))
@@ -346,6 +374,14 @@ class Bench:
         shift = list(self.place.shift)
         shift[axis] += by
         self.place = replace(self.place, shift=tuple(shift)).moved(self.positions())
+
+
+def copy_commons(source: native_kernel.Mcu, target: native_kernel.Mcu) -> None:
+    """The common variables of one controller, on another."""
+    for number in range(COMMONS):
+        if number not in RESERVED:
+            target.wrci(number, source.rdci(number))
+        target.wrcd(number, source.rdcd(number))
 
 
 def positions(mcu: native_kernel.Mcu, machine: native_kernel.Machine) -> tuple[float, ...]:

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 from cnc_front.engine import Mode, Snapshot, Stop, Switches
 from cnc_front.execution import End
 from cnc_front.messages import text
-from cnc_front.sim_bench import Bench, positions
+from cnc_front.sim_bench import Bench, copy_commons, positions
 from cnc_front.sim_job import LoadedJob
 from cnc_front.sim_load import Asked, Loaded
 from cnc_front.sim_mdi import Block, Mdi
 from cnc_front.sim_run import SimRun
-from cnc_front.sim_view import SPEED_CD, Common, Operator, bench_snapshot, run_snapshot
+from cnc_front.sim_view import Common, Operator, bench_snapshot, run_snapshot
 
 if TYPE_CHECKING:
     from cnc_front.sim_record import RunRecording
@@ -98,7 +98,7 @@ class SimMachine:
         mcu = run.execution.mcu
         if not run.is_test:
             at = positions(mcu, run.loaded.job.machine.machine)
-            self.bench.move_to(at, mcu.rddigo(), (SPEED_CD, mcu.rdcd(SPEED_CD)))
+            self.bench.move_to(at, mcu)
         if self.running is not None and run.execution.end is End.FINISHED and not run.aborted:
             self.mdi.took(self.running)
         self.running = None
@@ -132,7 +132,9 @@ class SimMachine:
             self._begin(self.loaded.job, Mode.AUTO, tool_is_in=False, is_test=test)
 
     def _begin(self, job: LoadedJob, mode: Mode, *, tool_is_in: bool, is_test: bool = False) -> None:
-        mcu = self.bench.fitted if self.bench.is_changed else None
+        mcu = self.bench.fitted if self.bench.is_changed or mode is Mode.MDI else None
+        if mcu is not None and mode is Mode.MDI:
+            copy_commons(self.bench.mcu, mcu)  # a program begins with none, an MDI block with those of the block before
         self.mode, self._stop, self.operator.message = mode, Stop.NONE, ""
         recording = self._recording(job) if mode is Mode.AUTO and not is_test else None
         self.run = SimRun(job, self.operator.override, mcu, is_test=is_test, recording=recording)
@@ -162,6 +164,8 @@ class SimMachine:
         """Feed hold, whatever moves."""
         if self.bench.is_busy:
             self._stop = Stop.HOLD if self.bench.hold() else Stop.FAST_STOP
+            if self.bench.ended:
+                self.operator.message = text("jogs_ended", self.language, axes=", ".join(self.bench.ended))
         elif self.run is not None and not self.run.is_over:
             self.run.hold()
 
@@ -169,6 +173,7 @@ class SimMachine:
         """Goes on after a hold, a block end or a programmed stop."""
         if self.bench.is_busy:
             self.bench.resume()
+            self._stop, self.operator.message = Stop.NONE, ""
         elif self.run is not None and not self.run.is_over:
             self.run.go_on(self.operator.single_block)
 
@@ -183,6 +188,7 @@ class SimMachine:
     def reset(self) -> None:
         """Brakes on the path and drops the spooler; clears what is over."""
         self.block = None
+        self.release_inputs()
         if self.bench.is_busy:
             self._stop = Stop.ABORT
             self.bench.abort()
@@ -287,6 +293,11 @@ class SimMachine:
             return
         also = [self.run.execution.mcu] if self.run is not None and not self.run.is_over else []
         self.bench.force(number, on, *also)
+
+    def release_inputs(self) -> None:
+        """No input is forced any more."""
+        also = [self.run.execution.mcu] if self.run is not None and not self.run.is_over else []
+        self.bench.release(*also)
 
     # ---- MDI
 

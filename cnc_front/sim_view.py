@@ -103,6 +103,7 @@ def _shared(common: Common, status: dict[str, Any]) -> dict[str, Any]:
         "mode": common.mode,
         "rapid_set": operator.rapid,
         "switches": operator.switches,
+        "forced": common.bench.forced,
         "dry_feed": dry_feed(operator.switches, file) * 60.0,
         "feed_limit": file.machine.feed_limit * 60.0,
         "revision": common.revision,

@@ -170,7 +170,10 @@ class FakeEngine:
 
     def force_input(self, number: int, on: bool) -> None:
         mask = 1 << (number - 1)
-        self._did(f"input {number} {on}", inputs=self.now.inputs | mask if on else self.now.inputs & ~mask)
+        self._did(f"input {number} {on}", inputs=self.now.inputs | mask if on else self.now.inputs & ~mask, forced=(number,))
+
+    def release_inputs(self) -> None:
+        self._did("release", forced=())
 
     def check_mdi(self, text: str) -> None:
         self.calls.append(f"check {text}")
