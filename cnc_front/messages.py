@@ -228,6 +228,10 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "jog_loop": ("{axis}: the loop is open", "{axis}: der Regelkreis ist offen"),
     "jog_discarded": ("{axis}: the step was discarded", "{axis}: der Schritt wurde verworfen"),
+    "hand_stopped": (
+        "FAST STOP: each axis stopped on its own ramp; what moved is over",
+        "SCHNELLHALT: jede Achse auf ihrer eigenen Rampe; die Bewegung ist zu Ende",
+    ),
     "jogs_ended": (
         "HOLD: the jog of {axes} has ended here for good; r goes on with what is behind it",
         "HALT: das Tippen von {axes} ist hier zu Ende; r fährt mit dem fort, was danach kommt",

@@ -164,7 +164,9 @@ class SimMachine:
         """Feed hold, whatever moves."""
         if self.bench.is_busy:
             self._stop = Stop.HOLD if self.bench.hold() else Stop.FAST_STOP
-            if self.bench.ended:
+            if self._stop is Stop.FAST_STOP:
+                self.operator.message = text("hand_stopped", self.language)
+            elif self.bench.ended:
                 self.operator.message = text("jogs_ended", self.language, axes=", ".join(self.bench.ended))
         elif self.run is not None and not self.run.is_over:
             self.run.hold()

@@ -86,7 +86,7 @@ def _bench_state(common: Common) -> tuple[State, str]:
     bench = common.bench
     if bench.is_busy:
         if bench.held:
-            return (State.HOLDING if bench.moves_on else State.HOLD), "hold"
+            return (State.HOLDING if bench.moves_on else State.HOLD), "jog" if bench.ended else "hold"
         return State.RUNNING, bench.doing
     return (State.READY if common.loaded else State.NO_JOB), ""
 

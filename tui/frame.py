@@ -42,6 +42,9 @@ def header(shown: Shown, switches: tuple[tuple[str, bool], ...], warnings: int, 
     if is_low(s):
         row.add(words("low"), look.warn).add(gap)
     right = Row(look.bar)
+    if s.forced:
+        numbers = ",".join(map(str, s.forced[:4])) + (",.." if len(s.forced) > 4 else "")
+        right.add(f" [{words('forced', numbers=numbers) if wide else words('forced_short')}]", look.hold)
     for name, on in switches:
         _flag(right, look, name, on)
     if wide or s.rapid_set != 1.0:

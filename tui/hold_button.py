@@ -53,4 +53,3 @@ class HoldButton(Widget):
     def on_mouse_down(self, event: events.MouseDown) -> None:
         event.stop()
         self._hold()
-

@@ -145,6 +145,8 @@ class Messages:
             return words("waits_since", what=self._why(s), clock=self._since)
         if s.state is State.RUNNING and s.why == "home":
             return words("hand_does_home")
+        if s.state is State.HOLD and s.why == "jog":
+            return s.message  # not all of it goes on
         if s.state in (State.HOLD, State.STEP, State.ABORTED, State.ALARM) and s.stop is not Stop.NONE:
             return words(f"stop_{s.stop.name.lower()}")
         return {State.HOLD: words("hold_text"), State.STEP: words("step_text")}.get(s.state, "")

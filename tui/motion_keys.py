@@ -131,6 +131,10 @@ class MotionKeys(App[None]):
             title = self.words("dry_feed_ask", most=s.feed_limit, now=s.dry_feed)
             self.ask(title, self.words("field_keys"), self.operation.dry_feed_from)
 
+    def action_release(self) -> None:
+        """No input is forced any more."""
+        self.operation.release()
+
     def action_speed(self, by: int) -> None:
         """Simulation speed."""
         self.operation.change_speed(by)

@@ -133,6 +133,19 @@ class Operation:
         else:
             self._engine.set_zero(axis)
 
+    def force(self, number: int) -> None:
+        """Forces an input to what it is not."""
+        on = not self._engine.snapshot().inputs >> (number - 1) & 1
+        self._engine.force_input(number, on)
+        self._say(self._words("input_on" if on else "input_off", number=number))
+
+    def release(self) -> None:
+        """No input is forced any more."""
+        forced = self._engine.snapshot().forced
+        if forced:
+            self._engine.release_inputs()
+        self._say(self._words("released" if forced else "forced_none", numbers=" ".join(map(str, forced))))
+
     def switch(self, name: str) -> None:
         """Optional stop, block skip, dry-run feed, program test: on or off, at standstill before the start."""
         now = self._engine.snapshot().switches

@@ -139,6 +139,20 @@ def test_an_input_can_be_forced_whatever_its_inversion() -> None:
     engine.close()
 
 
+@pytest.mark.parametrize("by", ["reset", "release_inputs"])
+def test_forced_inputs_stay_until_they_are_released(engine: SimEngine, job: Callable[..., Path], by: str) -> None:
+    settled(engine, lambda: engine.force_input(5, True))
+    settled(engine, lambda: engine.force_input(5, False))
+    settled(engine, lambda: engine.force_input(2, True))
+    assert settled(engine, lambda: engine.force_input(5, True)).forced == (2, 5)
+    loaded(engine, job("G90 G21\nG1 X5 F3000\nM00\nM30\n"))
+    stands = run(engine)
+    assert stands.state is State.STOPPED and stands.forced == (2, 5) and stands.inputs == 0b10010
+    free = settled(engine, getattr(engine, by))
+    assert free.forced == () and free.inputs == 0
+    assert not engine._machine.bench.is_changed
+
+
 def test_a_work_offset_counts_in_programs(engine: SimEngine, job: Callable[..., Path]) -> None:
     settled(engine, lambda: engine.jog("X", 10.0))
     assert settled(engine, lambda: engine.set_zero("X")).axes[0].zero == 10.0
@@ -190,6 +204,54 @@ def test_statements_of_the_controller_language(engine: SimEngine) -> None:
     assert commands(mdi(engine, "jrw(X := 7.5);"))[0] == 7.5
     assert "runtime error" in mdi(engine, "writeln(1 / 0);").message
     assert commands(mdi(engine, "G1 X8 F600"))[0] == 8.0, "G-code goes on where the statement left the axis"
+
+
+def test_variables_outlive_blocks_of_both_languages(engine: SimEngine) -> None:
+    mdi(engine, "CI20 := 7; CD30 := 2.5; CI99 := 4;")
+    assert mdi(engine, "G1 X8 F600").state is State.DONE
+    assert mdi(engine, "T3 M06").state is State.STOPPED and settled(engine, engine.resume).state is State.DONE
+    assert mdi(engine, "writeln(CI20, ' ', CD30);").output[-1].split() == ["7", "2.5"]
+    assert mdi(engine, "S500 M3").spindle == "M3 S500"
+
+
+def test_a_program_begins_with_none_of_them(engine: SimEngine, job: Callable[..., Path]) -> None:
+    mdi(engine, "CI20 := 7;")
+    loaded(engine, job(JOB))
+    run(engine)
+    assert mdi(engine, "writeln(CI20);").output[-1].strip() == "0"
+
+
+RATES = "TRAC := 500.0; TRVL := 50.0; TRTVL := 0.0; "
+
+
+def held(engine: SimEngine, statement: str) -> Snapshot:
+    """Holds a statement in the middle of its motion."""
+    engine.set_speed(1)
+    engine.check_mdi(statement)
+    engine.start_mdi()
+    assert engine.wait(5, lambda s: s.axes[0].command > 1.0)
+    engine.hold()
+    assert engine.wait(2, lambda s: s.state not in (State.RUNNING, State.HOLDING))
+    return settled(engine, lambda: engine.set_speed(0))
+
+
+def test_a_jog_in_a_statement_ends_at_a_hold_and_says_so(engine: SimEngine) -> None:
+    after = held(engine, "jr(X := 100);")
+    assert after.state is State.NO_JOB and after.stop is Stop.FAST_STOP and "FAST STOP" in after.message
+    assert 1.0 < commands(settled(engine, engine.resume))[0] < 50.0
+
+
+def test_a_contour_in_a_statement_goes_on_behind_a_hold(engine: SimEngine) -> None:
+    after = held(engine, RATES + "smlr(X := 100); ssms(X);")
+    assert (after.state, after.stop, after.why) == (State.HOLD, Stop.HOLD, "hold")
+    assert commands(settled(engine, engine.resume))[0] == pytest.approx(100.0)
+
+
+def test_of_a_contour_and_a_jog_a_hold_says_which_one_ended(engine: SimEngine) -> None:
+    after = held(engine, RATES + "smlr(X := 100); ssms(X); jr(Z := 20);")
+    assert after.state is State.HOLD and after.why == "jog" and "jog of Z has ended" in after.message
+    at = settled(engine, engine.resume)
+    assert commands(at)[0] == pytest.approx(100.0) and commands(at)[2] < 10.0 and at.message == ""
 
 
 def test_mdi_is_refused_while_a_job_is_under_way(engine: SimEngine, job: Callable[..., Path]) -> None:

@@ -170,7 +170,9 @@ class FakeEngine:
 
     def force_input(self, number: int, on: bool) -> None:
         mask = 1 << (number - 1)
-        self._did(f"input {number} {on}", inputs=self.now.inputs | mask if on else self.now.inputs & ~mask, forced=(number,))
+        self._did(
+            f"input {number} {on}", inputs=self.now.inputs | mask if on else self.now.inputs & ~mask, forced=(number,)
+        )
 
     def release_inputs(self) -> None:
         self._did("release", forced=())

@@ -11,6 +11,7 @@ from textual import events
 from textual.widgets import Input
 
 from cnc_front.engine import Mode, Snapshot, State, Stop, Switches
+from tests.tui.ended import registers
 from tests.tui.fake import AXES, FakeEngine
 from tests.tui.stage import NARROW, WIDE, Stage, play, same_frame
 
@@ -282,6 +283,42 @@ def test_dry_run_feed_by_value(typed: str, feed: float | None, says: str) -> Non
         assert "up to 6000 (now 6000" in await stage.frame()
         await stage.press(*(key.replace(",", "comma") for key in typed), "enter")
         assert engine.now.switches.dry_feed == feed and says in stage.message
+
+    play(script, engine, NARROW)
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+@pytest.mark.parametrize("page", ["f3", "f4", "f8"])
+def test_forced_inputs_are_loud_and_one_key_releases_them(page: str, language: str) -> None:
+    engine = equipped()
+    engine.registers = registers(language)
+
+    async def script(stage: Stage) -> None:
+        word = "FORCED" if language == "en" else "ERZW"
+        await stage.press(page)
+        assert word not in await stage.frame()
+        engine.show(forced=(3, 12))
+        rows = (await stage.frame()).splitlines()
+        assert f"[{word}" in rows[0] and (page == "f3" or any(f"{word}" in row and "3 12" in row for row in rows[1:]))
+        assert page == "f3" or ("releases them" if language == "en" else "gibt frei") in "\n".join(rows)
+        await stage.press("E")
+        assert engine.calls[-1] == "release" and word not in (await stage.frame()).splitlines()[0]
+        engine.calls.clear()
+        await stage.press("E")
+        assert engine.calls == []
+
+    play(script, engine, NARROW, language=language)
+
+
+def test_a_block_that_was_stopped_is_not_called_done() -> None:
+    engine = equipped()
+
+    async def script(stage: Stage) -> None:
+        await stage.press("f5", *"G0", "enter")
+        await stage.until(lambda: engine.now.mdi)
+        await stage.press("r")
+        engine.show(state=State.NO_JOB, stop=Stop.FAST_STOP)
+        assert "G0" in await stage.frame() and "FAST STOP" in await stage.frame()
 
     play(script, engine, NARROW)
 

@@ -177,9 +177,7 @@ class ManualPage(Page):
         if not 1 <= number <= INPUTS:
             self.app.say(self.app.words("input_bad", text=text.strip()[:20], last=INPUTS))
             return
-        on = not self.app.engine.snapshot().inputs >> (number - 1) & 1
-        self.app.engine.force_input(number, on)
-        self.app.say(self.app.words("input_on" if on else "input_off", number=number))
+        self.app.operation.force(number)
 
     def _is_free(self) -> bool:
         """Nothing is under way; else says so."""
@@ -302,7 +300,13 @@ def input_rows(shown: Shown) -> list[Row]:
     s, words, look = shown.snapshot, shown.words, shown.look
     inputs = Row(shown.value).add(f" {words('hand_inputs')}", look.dim).at(16, "")
     outputs = Row(shown.value).add(f" {words('hand_outputs')}", look.dim).at(16, "")
-    return [_bits(inputs, shown, s.inputs, INPUTS), _bits(outputs, shown, s.outputs, OUTPUTS)]
+    return [_bits(inputs, shown, s.inputs, INPUTS), *forced_rows(shown), _bits(outputs, shown, s.outputs, OUTPUTS)]
+
+
+def forced_rows(shown: Shown) -> list[Row]:
+    """Which inputs are forced, and how they are released; nothing where none is."""
+    numbers = " ".join(map(str, shown.snapshot.forced))
+    return [Row(shown.look.hold).add(f" {shown.words('forced_way', numbers=numbers)} ")] if numbers else []
 
 
 def gain_rows(shown: Shown) -> list[Row]:

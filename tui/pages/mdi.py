@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 from textual.strip import Strip
 
 from cnc_front.diagnostics import Diagnostic
-from cnc_front.engine import Mode, State
+from cnc_front.engine import Mode, State, Stop
 from cnc_front.errors import CompileError, UsageError
 from cnc_front.german import localized
 from tui.pages.base import Page
 from tui.pages.manual import axis_rows
 from tui.rows import Row
-from tui.states import FACES, UNDERWAY
+from tui.states import FACES, STARTABLE, UNDERWAY
 from tui.values import Shown
 from tui.widgets import PathField
 
@@ -34,6 +34,7 @@ class Entry:
     clock: str
     text: str
     state: State | None = None  # None: not over yet
+    stop: Stop = Stop.NONE  # what ended it, if it did not end by itself
     seconds: float = 0.0
 
 
@@ -71,7 +72,7 @@ class MdiPage(Page):
         last = self.entries[-1] if self.entries else None
         is_over = s.mode is Mode.MDI and s.state not in UNDERWAY
         if last is not None and last.state is None and is_over and s.mdi != last.text:
-            last.state, last.seconds = s.state, s.machine_time_s
+            last.state, last.stop, last.seconds = s.state, s.stop, s.machine_time_s
 
     def enter(self) -> None:
         """The field has the focus."""
@@ -158,6 +159,8 @@ def _entry_row(shown: Shown, entry: Entry) -> Row:
     row = Row(shown.value).add(f"   {entry.clock}  ", look.dim).add(entry.text[:40]).at(54, "")
     if entry.state is None:
         return row
+    if entry.state in (State.NO_JOB, *STARTABLE) and entry.stop is not Stop.NONE:
+        return row.add(words(f"mdi_{entry.stop.name.lower()}"), look.warn)
     word = FACES[entry.state]
     done = (
         words("mdi_done")

@@ -12,6 +12,7 @@ from textual.strip import Strip
 
 from cnc_front.service import RUNS, STEPS, Bit, Service, ServiceAxis, ServiceTask
 from tui.pages.base import Page
+from tui.pages.manual import forced_rows
 from tui.rows import Row
 from tui.values import Shown
 
@@ -72,7 +73,7 @@ def service_rows(shown: Shown, service: Service | None, changes: Changes, now: f
     if service is None:
         return [Row(look.strong).add(f" {words('service_title')}").strip(width)]
     mark = Marker(shown, changes, now)
-    rows = [*_head(mark, service), *_tasks(mark, service), *_variables(mark, service, width)]
+    rows = [*_head(mark, service), *forced_rows(shown), *_tasks(mark, service), *_variables(mark, service, width)]
     for axis in service.axes:
         rows += _axis(mark, axis, width)
     return [row.strip(width) for row in rows]
