@@ -24,7 +24,7 @@ from cnc_front.german import localized, refusal
 from tui.archive import Archive
 from tui.dialogs import Question
 from tui.frame import header, key_row, message_row, small_row
-from tui.hold_button import HoldButton
+from tui.hold_button import HoldButton, buttons
 from tui.keeper import Keeper
 from tui.keys import KEYS, SETTLE_S, Key
 from tui.loading import Loading
@@ -196,7 +196,7 @@ class Terminal(MotionKeys):
             top.put([self._header(shown, width)])
             body.put(self.page.visible(shown, width, height - FRAME - (self.page.field is not None)))
         room = width - base.query_one(HoldButton).room
-        for button in self._buttons():
+        for button in buttons(self):
             button.moves = shown.snapshot.state in MOVING
         line = message_row(text, getattr(self.look, style), self.look, self.words, more, room)
         base.query_one("#message", Rows).put([line])
@@ -430,11 +430,7 @@ class Terminal(MotionKeys):
         """Another size, another layout: at once."""
         self.call_after_refresh(self._resized)
 
-    def _buttons(self) -> list[HoldButton]:
-        """That of the screen, and of a dialog above it."""
-        return [button for screen in self.screen_stack for button in screen.query(HoldButton)]
-
     def _resized(self) -> None:
-        for button in self._buttons():
+        for button in buttons(self):
             button.place()
         self.tick()

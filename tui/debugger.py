@@ -16,7 +16,7 @@ from textual.widgets import Static
 
 from tui import debug_panes as panes
 from tui.dialogs import Question
-from tui.hold_button import HoldButton
+from tui.hold_button import HoldButton, buttons
 from tui.look import Look
 from tui.words import Words
 
@@ -96,8 +96,12 @@ class Debugger(App[None]):
         self.set_interval(FRAME_S, self.tick)
 
     def on_resize(self) -> None:
-        self.call_after_refresh(self.query_one(HoldButton).place)
-        self.call_after_refresh(self.draw)
+        self.call_after_refresh(self._resized)
+
+    def _resized(self) -> None:
+        for button in buttons(self):
+            button.place()
+        self.draw()
 
     # ---- keys
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from textual import events
+from textual.app import App
 from textual.reactive import reactive
 from textual.strip import Strip
 from textual.widget import Widget
@@ -53,3 +54,8 @@ class HoldButton(Widget):
     def on_mouse_down(self, event: events.MouseDown) -> None:
         event.stop()
         self._hold()
+
+
+def buttons(app: App[None]) -> list[HoldButton]:
+    """That of the screen, and of each dialog above it."""
+    return [button for screen in app.screen_stack for button in screen.query(HoldButton)]

@@ -99,8 +99,14 @@ def test_a_narrow_screen_and_one_without_mouse_have_none() -> None:
 def test_it_holds_on_the_screen_of_sympas_jobs(tmp_path: Path) -> None:
     async def script(pilot: Pilot[None], app: Debugger) -> None:
         assert not app.query_one(HoldButton).display
+        await pilot.press("equals_sign")
+        assert len(app.screen_stack) == 2
         await pilot.resize_terminal(*WIDE)
-        await pilot.press("r")
+        await pilot.pause()
+        await pilot.mouse_down(offset=CORNER)
+        await pilot.pause()
+        assert app.session.held, "in its dialog"
+        await pilot.press("r", "r")
         await pilot.pause()
         assert not app.session.held
         await pilot.mouse_down(offset=CORNER)
