@@ -59,19 +59,19 @@ def _print_diagnostics(diagnostics: tuple[Diagnostic, ...], options: argparse.Na
 PER_ID = 5
 
 
-def _print_warnings(warnings: tuple[Diagnostic, ...], options: argparse.Namespace) -> None:
-    """The first warnings of each id, then how many more there are: a flood hides what matters. All with --verbose."""
-    counts = Counter(warning.id for warning in warnings)
+def _print_warnings(diagnostics: tuple[Diagnostic, ...], options: argparse.Namespace) -> None:
+    """The first warnings of each id, then how many more there are: a flood hides what matters. Every error."""
+    counts = Counter(found.id for found in diagnostics)
     shown: Counter[str] = Counter()
-    for warning in () if options.quiet else warnings:
-        shown[warning.id] += 1
-        if shown[warning.id] <= PER_ID or options.verbose:
-            print(in_language(warning, language_from(options.lang)), file=sys.stderr)
-        elif shown[warning.id] == counts[warning.id]:
-            more = text(
-                "more_warnings", language_from(options.lang), which=warning.id, count=counts[warning.id] - PER_ID
-            )
-            print(f"{warning.file}: {more}", file=sys.stderr)
+    for found in diagnostics:
+        shown[found.id] += found.is_warning
+        if options.quiet and found.is_warning:
+            continue
+        if shown[found.id] <= PER_ID:
+            print(in_language(found, language_from(options.lang)), file=sys.stderr)
+        elif shown[found.id] == counts[found.id]:
+            more = text("more_warnings", language_from(options.lang), which=found.id, count=counts[found.id] - PER_ID)
+            print(f"{found.file}: {more}", file=sys.stderr)
 
 
 def _print_start(facts: dict[str, Any], machine: MachineFile, options: argparse.Namespace) -> None:
@@ -132,7 +132,7 @@ def _run(options: argparse.Namespace, interrupted: Callable[[], bool]) -> int:
         from cnc_front.verdict import failed_object
 
         progress.end()
-        _print_diagnostics(error.diagnostics, options)
+        _print_warnings(error.diagnostics, options)
         failed = failed_object(options.job, loaded.source, options.machine, loaded.machine, error.diagnostics)
         keep_run(failed, options, Exit.BAD_INPUT)
         if options.json:

@@ -228,7 +228,7 @@ def _piece_name(number: int) -> str:
 def _joined(first: dict[str, NDArray[Any]], path: str) -> dict[str, NDArray[Any]]:
     """The pieces of a sequence, the first of which is known, as one."""
     pieces = [first]
-    reader = native.Reader(path, attachments_only=True)
+    reader = native.Reader(path, only="sequence.")
     while (item := reader.next_item()) is not None:
         if item[1] == _piece_name(len(pieces)):
             check_held(path, (len(pieces) + 1) * PIECE)

@@ -164,12 +164,15 @@ pub struct Reader {
 
 #[pymethods]
 impl Reader {
-    /// With `attachments_only` nothing is told of samples and events.
+    /// With `only` nothing is told but the attachments whose names begin so.
     #[new]
-    #[pyo3(signature = (path, attachments_only=false))]
-    fn new(path: PathBuf, attachments_only: bool) -> PyResult<Reader> {
-        let open = if attachments_only { recording::Reader::attachments } else { recording::Reader::open };
-        let inner = open(&path).map_err(|e| raise(e, &path))?;
+    #[pyo3(signature = (path, only=None))]
+    fn new(path: PathBuf, only: Option<&str>) -> PyResult<Reader> {
+        let inner = match only {
+            Some(prefix) => recording::Reader::attachments(&path, prefix),
+            None => recording::Reader::open(&path),
+        };
+        let inner = inner.map_err(|e| raise(e, &path))?;
         Ok(Reader { inner: Mutex::new(inner), path })
     }
     /// Why reading ended before the end of the file, if it did.

@@ -34,8 +34,8 @@ pub struct Reader {
     known: bool,
     next_sample: u64,
     axes: Option<usize>,
-    /// Samples and events are not asked for.
-    attachments_only: bool,
+    /// Only attachments whose names begin so are asked for.
+    only: Option<String>,
     /// Why reading ended before the end of the file, if it did.
     pub damage: Option<String>,
 }
@@ -57,14 +57,14 @@ impl Reader {
             known: false,
             next_sample: 0,
             axes: None,
-            attachments_only: false,
+            only: None,
             damage: None,
         })
     }
 
-    /// As [`Reader::open`]; of samples and events nothing is told.
-    pub fn attachments(path: &Path) -> Result<Reader, Error> {
-        Ok(Reader { attachments_only: true, ..Reader::open(path)? })
+    /// As [`Reader::open`]; nothing is told but the attachments whose names begin with `prefix`.
+    pub fn attachments(path: &Path, prefix: &str) -> Result<Reader, Error> {
+        Ok(Reader { only: Some(prefix.to_owned()), ..Reader::open(path)? })
     }
 
     /// The next item, or None at the end; at a truncated or damaged place `damage` says what is wrong there.
@@ -86,7 +86,12 @@ impl Reader {
                 }
                 Some(Ok(LinearReadEvent::Record { data, opcode })) => match mcap::parse_record(opcode, data) {
                     Err(error) => return self.ended(Some(error.to_string())),
-                    Ok(Record::Message { .. }) if self.attachments_only => Ok(None),
+                    Ok(Record::Message { .. }) if self.only.is_some() => Ok(None),
+                    Ok(Record::Attachment { header, .. })
+                        if self.only.as_ref().is_some_and(|prefix| !header.name.starts_with(prefix)) =>
+                    {
+                        Ok(None)
+                    }
                     Ok(record) => Self::item(record, &mut self.topics, &mut self.known),
                 },
             };
