@@ -1,7 +1,8 @@
 """Memory of large part programs: `python -m benches.stream [LINES]` (10,000,000).
 
 Every way to read a generated program of short blocks, and one a tenth as long: wall time, lines per second, highest
-memory, and its ratio, which stays about 1. Issue 4 asks that memory stays bounded. A recording takes 0.3 kB a line of disk.
+memory, and its ratio, which stays about 1. Issue 4 asks that memory stays bounded. A recording takes 0.3 kB a line of
+disk.
 """
 
 from __future__ import annotations

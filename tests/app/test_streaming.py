@@ -280,3 +280,46 @@ def test_a_path_that_is_too_long_to_be_held_is_told(tmp_path: Path, run: Run, mo
         assert code == 2 and "CF203" in err and "--from" in err and not (tmp_path / "r").exists()
     assert run("report", tmp_path / "r.mcap", tmp_path / "r")[0] == 2
     assert run("run", part, "--record", tmp_path / "r.mcap")[0] == 0
+
+
+def test_a_run_that_is_killed_leaves_a_recording_that_says_so(tmp_path: Path, run: Run) -> None:
+    part, path = tmp_path / "part.nc", tmp_path / "r.mcap"
+    part.write_text(zigzag(400_000))
+    with child(part, "run", "--record", str(path)) as process:
+        begun = time.monotonic()
+        while not (path.exists() and path.stat().st_size > 20_000_000) and time.monotonic() - begun < 60:
+            time.sleep(0.05)
+        process.kill()
+    recorded = open_recording(str(path))
+    samples = sum(len(columns["flags"]) for columns in recorded.columns())
+    assert samples > 0 and recorded.result is None and recorded.damage
+    assert run("report", path, tmp_path / "report")[0] == 0
+    assert recorded.damage in (tmp_path / "report" / "report.html").read_text()
+
+
+def test_a_file_that_changes_while_it_is_recorded(tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    part = tmp_path / "part.nc"
+    part.write_text(zigzag(200_000))
+    begin = streaming.begin
+
+    def changed(*arguments: Any, **options: Any) -> Any:
+        job = begin(*arguments, **options)
+        part.write_text("G1 X1 Q1\n")
+        return job
+
+    monkeypatch.setattr(streaming, "begin", changed)
+    code, out, err = run("run", part, "--json", "--record", tmp_path / "r.mcap")
+    assert code == 2 and "GC114" in err and json.loads(out)["diagnostics"][0]["id"] == "GC114"
+    assert open_recording(str(tmp_path / "r.mcap")).result is None
+
+
+def test_a_program_that_never_ends_is_told(tmp_path: Path, run: Run) -> None:
+    (tmp_path / "part.nc").write_text("F6000\nWHILE [1 EQ 1] DO1\nEND1\nM30\n")
+    streamed, whole = (run("run", "--max-time", "2", tmp_path / "part.nc", whole=whole) for whole in (False, True))
+    assert streamed == whole and streamed[0] == 2 and "GC602" in streamed[2]
+
+
+def test_errors_are_not_hidden_behind_warnings(tmp_path: Path, run: Run) -> None:
+    (tmp_path / "part.nc").write_text(zigzag(40, "N5 X1\nN5 X2\n" * 40 + "G1 Q5\n"))
+    err = run("run", tmp_path / "part.nc")[2]
+    assert "GW908" in err and "GC326" in err and len(err.splitlines()) < 12, err
