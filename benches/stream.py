@@ -26,7 +26,7 @@ def main(lines: int) -> None:
         sizes = (lines // 10, lines)
         for size in sizes:
             gen.short(size, str(folder / f"{size}.ngc"))
-        part = ["--from", "2000", "--to", str(lines // 20)]
+        part = ["--from", str(lines // 50), "--to", str(lines // 20)]
         for title, arguments in (
             ("check", ["check", "-q"]),
             ("check --strict", ["check", "-q", "--strict"]),

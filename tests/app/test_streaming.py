@@ -322,4 +322,4 @@ def test_a_program_that_never_ends_is_told(tmp_path: Path, run: Run) -> None:
 def test_errors_are_not_hidden_behind_warnings(tmp_path: Path, run: Run) -> None:
     (tmp_path / "part.nc").write_text(zigzag(40, "N5 X1\nN5 X2\n" * 40 + "G1 Q5\n"))
     err = run("run", tmp_path / "part.nc")[2]
-    assert "GW908" in err and "GC326" in err and len(err.splitlines()) < 12, err
+    assert "GW908" in err and "GC326" in err and len(err.splitlines()) < 15, err
