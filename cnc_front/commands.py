@@ -67,7 +67,7 @@ def _print_warnings(diagnostics: tuple[Diagnostic, ...], options: argparse.Names
         shown[found.id] += found.is_warning
         if options.quiet and found.is_warning:
             continue
-        if shown[found.id] <= PER_ID:
+        if shown[found.id] <= PER_ID or options.verbose:
             print(in_language(found, language_from(options.lang)), file=sys.stderr)
         elif shown[found.id] == counts[found.id]:
             more = text("more_warnings", language_from(options.lang), which=found.id, count=counts[found.id] - PER_ID)
