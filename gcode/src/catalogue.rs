@@ -31,7 +31,7 @@ catalogue! {
     GC101 "not a text file ({n} control bytes in the first 4 KiB)" "choose the part program, not an executable or a picture";
     GC102 "UTF-16 or UTF-32 text is not supported, save as UTF-8 or ASCII" "save the file as UTF-8 without changing its content";
     GC103 "illegal control character 0x{h}" "delete the character";
-    GC104 "illegal character '{c}' (U+{h})" "only ASCII is allowed outside comments; type the character again";
+    GC104 "illegal character '{c}' (U+{h})" "outside comments this character has no meaning; delete it or type it again";
     GC105 "line longer than 1024 characters ({n})" "break the line into several blocks";
     GC106 "file larger than {n} MiB" "split the program";
     GC107 "'{c}' is not part of this dialect ({dialect hint})" "post-process the program for DIN 66025";
