@@ -148,7 +148,7 @@ impl<'s> Flows<'s> {
             }
             OWord::While => self.o_while(label, condition, span),
             OWord::Repeat => self.o_repeat(label, arguments.first().copied().unwrap_or(0.0), span),
-            OWord::EndWhile | OWord::EndRepeat => self.o_end(label, span),
+            OWord::EndWhile | OWord::EndRepeat => self.o_end(label, word, span),
             OWord::Break => self.o_break(label, span),
             OWord::Continue => self.o_continue(label, span),
         }
@@ -207,6 +207,8 @@ impl<'s> Flows<'s> {
                 }
                 Ok(())
             }
+            // a loop of that label that began elsewhere
+            Some(open) if open.at != self.current => Err(Fault::with(Id::GC606, span, &[&label, &label])),
             Some(_) if condition => Ok(()),
             Some(_) => {
                 self.loops.pop();
@@ -226,8 +228,12 @@ impl<'s> Flows<'s> {
         self.open(label, OWord::Repeat, count.min(1e9) as u32 - 1);
         Ok(())
     }
-    fn o_end(&mut self, label: &str, span: Span) -> Check<()> {
+    fn o_end(&mut self, label: &str, word: OWord, span: Span) -> Check<()> {
         let open = self.innermost(label, span)?;
+        let begins = if word == OWord::EndRepeat { OWord::Repeat } else { OWord::While };
+        if open.word != begins {
+            return Err(Fault::with(Id::GC606, span, &[&label, &label]));
+        }
         if open.word == OWord::Repeat {
             if open.left == 0 {
                 self.loops.pop();

@@ -259,6 +259,7 @@ fn scenes() -> Vec<Scene> {
     let cylinder = |row: Row| on(example("mill4c"), row);
     let corrected = |row: Row| with(row, |m| m.gcode.tools[0].radius = 4.0);
     let linuxcnc = Options { profile: Some(Profile::Linuxcnc), ..Options::default() };
+    let o_words = |row: Row| Scene { row, machine: mill3(), options: linuxcnc.clone() };
     let default = Limits::default;
     vec![
         rotary(("GC324", 1, 5, 7, "G81 A90 Z-1 R1 F10\nM30\n")),
@@ -272,6 +273,9 @@ fn scenes() -> Vec<Scene> {
         corrected(("GC420", 2, 1, 9, "G41 D1 G1 X5 F100\nG3 X1 I-2\nM30\n")),
         corrected(("GC421", 4, 1, 2, "G41 D1 G1 X5 F100\nX40\nY6\nX0\nM30\n")),
         corrected(("GC422", 3, 1, 3, "G41 D1 G1 X5 F100\nX40\nX10\nM30\n")),
+        o_words(("GC606", 2, 1, 11, "o1 do\no1 endwhile\nM30\n")),
+        o_words(("GC606", 2, 1, 12, "o1 while [1]\no1 endrepeat\nM30\n")),
+        o_words(("GC606", 2, 1, 8, "o1 repeat [2]\no1 while [1]\no1 endwhile\no1 endrepeat\nM30\n")),
         with(("GC513", 1, 1, 3, "M88\nM30\n"), |m| m.gcode.dialect.strict_m = Some(true)),
         with(("GC515", 1, 4, 8, "M3 S9000\nM30\n"), |m| m.gcode.spindle.limit = 8000.0),
         with(("GC516", 2, 1, 2, "T1 M6\nM6\nM30\n"), |m| m.gcode.dialect.m6_needs_t = Some(true)),
