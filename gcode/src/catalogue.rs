@@ -137,12 +137,12 @@ catalogue! {
     GC516 "M06 without T" "add T";
 
     GC601 "more than {n} nested calls" "look for a subprogram that calls itself";
-    GC602 "more than {n} blocks executed (endless loop?)" "check the condition of the loop";
+    GC602 "more than {n} {what} (endless loop?)" "check the condition of the loop";
     GC603 "subprogram {name} not found" "define it in this file or put its file beside the program";
     GC604 "illegal subprogram name '{name}'" "use letters, digits and '_' only";
     GC605 "jump target N{v} {missing or ambiguous}" "check the block numbers";
-    GC606 "END{m} without DO{m} or crossed loops" "check the loops";
-    GC607 "DO{m} without END{m}" "add END";
+    GC606 "{end} without {begin} or crossed loops" "check the loops";
+    GC607 "{begin} without {end}" "add the end";
     GC608 "jump into a loop" "jump to a block outside the loop";
     GC609 "statement must be alone in the block" "write two blocks";
     GC610 "malformed statement, {expected} expected" "IF [condition] GOTO n, WHILE [condition] DOm";

@@ -4,7 +4,7 @@ use crate::block::{Block, OWord, Statement};
 use crate::diagnostics::{Check, Fault, Id, Span};
 use crate::flow::Flows;
 use crate::source::Mark;
-use crate::statements::{head_length, loop_word, o_word};
+use crate::statements::{O_WORDS, head_length, loop_word, o_word};
 use crate::translate::Call;
 use crate::variables::Variables;
 
@@ -20,6 +20,46 @@ pub(crate) struct Loop {
     left: u32,
 }
 
+impl Loop {
+    /// GC607: it has no end.
+    fn unended(&self, span: Span) -> Fault {
+        let end = match self.word {
+            OWord::Do => OWord::While,
+            OWord::Repeat => OWord::EndRepeat,
+            _ => OWord::EndWhile,
+        };
+        match self.name.strip_prefix('o') {
+            Some(label) => Fault::with(Id::GC607, span, &[&said(label, self.word), &said(label, end)]),
+            None => unended(&self.name, span),
+        }
+    }
+}
+
+/// GC607 of `WHILE .. DOm`.
+fn unended(level: &str, span: Span) -> Fault {
+    Fault::with(Id::GC607, span, &[&format!("DO{level}"), &format!("END{level}")])
+}
+/// GC606 of `ENDm`.
+fn crossed(level: u8, span: Span) -> Fault {
+    Fault::with(Id::GC606, span, &[&format!("END{level}"), &format!("DO{level}")])
+}
+/// GC606 of an O-word that needs another one before it.
+fn o_crossed(label: &str, word: OWord, needed: OWord, span: Span) -> Fault {
+    Fault::with(Id::GC606, span, &[&said(label, word), &said(label, needed)])
+}
+/// What an O-word ends, or a loop that it can leave.
+fn begin_of(word: OWord) -> OWord {
+    if word == OWord::EndRepeat { OWord::Repeat } else { OWord::While }
+}
+/// An O-word as programs have it: `o1 while`, `o<name> endif`.
+fn said(label: &str, word: OWord) -> String {
+    let word = O_WORDS.iter().find(|row| row.1 == word).map_or("", |row| row.0);
+    format!("{} {word}", named(label))
+}
+fn named(label: &str) -> String {
+    if label.bytes().all(|b| b.is_ascii_digit()) { format!("o{label}") } else { format!("o<{label}>") }
+}
+
 impl<'s> Flows<'s> {
     /// A loop that is open where the program ends.
     pub fn open_loop(&mut self) -> Option<(u32, &'s [u8], Fault)> {
@@ -27,7 +67,7 @@ impl<'s> Flows<'s> {
         let mut lines = self.lines.clone();
         lines.go(open.at);
         let (line, text) = lines.next_line()?;
-        Some((line, text, Fault::with(Id::GC607, Span::new(0, text.len()), &[&open.name, &open.name])))
+        Some((line, text, open.unended(Span::new(0, text.len()))))
     }
 
     /// True if the statement ends the program.
@@ -69,7 +109,7 @@ impl<'s> Flows<'s> {
         let again = self.loops[base..].last().is_some_and(|l| l.at == self.current);
         let name = level.to_string();
         if !again && self.loops[base..].iter().any(|l| l.name == name) {
-            return Err(Fault::with(Id::GC606, span, &[&level, &level]));
+            return Err(crossed(level, span));
         }
         if condition {
             if !again {
@@ -97,12 +137,12 @@ impl<'s> Flows<'s> {
                         return Ok(());
                     }
                 }
-                Some((false, m)) => return Err(Fault::with(Id::GC606, span, &[&m, &m])),
+                Some((false, m)) => return Err(crossed(m, span)),
                 None => {}
             }
         }
         self.lines.go(back);
-        Err(Fault::with(Id::GC607, span, &[&level, &level]))
+        Err(unended(&level.to_string(), span))
     }
     fn end_loop(&mut self, level: u8, span: Span) -> Check<()> {
         let base = self.base();
@@ -111,7 +151,7 @@ impl<'s> Flows<'s> {
                 self.lines.go(open.at);
                 Ok(())
             }
-            _ => Err(Fault::with(Id::GC606, span, &[&level, &level])),
+            _ => Err(crossed(level, span)),
         }
     }
 
@@ -158,10 +198,10 @@ impl<'s> Flows<'s> {
         self.loops.push(Loop { name: format!("o{label}"), at, behind, word, left });
     }
     /// The innermost open loop of that label in this call.
-    fn innermost(&self, label: &str, span: Span) -> Check<Loop> {
+    fn innermost(&self, label: &str, word: OWord, span: Span) -> Check<Loop> {
         let name = format!("o{label}");
         let found = self.loops[self.base()..].last().filter(|l| l.name == name).cloned();
-        found.ok_or_else(|| Fault::with(Id::GC606, span, &[&label, &label]))
+        found.ok_or_else(|| o_crossed(label, word, begin_of(word), span))
     }
     /// Goes to the next line that holds one of the O-words of a label (or behind it).
     fn skip_to(&mut self, label: &str, words: &[OWord], span: Span, behind: bool) -> Check<OWord> {
@@ -181,7 +221,8 @@ impl<'s> Flows<'s> {
             }
         }
         self.lines.go(back);
-        Err(Fault::with(Id::GC607, span, &[&label, &label]))
+        let wanted: Vec<String> = words.iter().map(|word| said(label, *word)).collect();
+        Err(Fault::with(Id::GC607, span, &[&named(label), &wanted.join("/")]))
     }
     fn next_branch(&mut self, label: &str, span: Span) -> Check<()> {
         self.pending_if = Some(label.to_owned());
@@ -208,7 +249,7 @@ impl<'s> Flows<'s> {
                 Ok(())
             }
             // a loop of that label that began elsewhere
-            Some(open) if open.at != self.current => Err(Fault::with(Id::GC606, span, &[&label, &label])),
+            Some(open) if open.at != self.current => Err(o_crossed(label, OWord::While, OWord::Do, span)),
             Some(_) if condition => Ok(()),
             Some(_) => {
                 self.loops.pop();
@@ -229,10 +270,9 @@ impl<'s> Flows<'s> {
         Ok(())
     }
     fn o_end(&mut self, label: &str, word: OWord, span: Span) -> Check<()> {
-        let open = self.innermost(label, span)?;
-        let begins = if word == OWord::EndRepeat { OWord::Repeat } else { OWord::While };
-        if open.word != begins {
-            return Err(Fault::with(Id::GC606, span, &[&label, &label]));
+        let open = self.innermost(label, word, span)?;
+        if open.word != begin_of(word) {
+            return Err(o_crossed(label, word, begin_of(word), span));
         }
         if open.word == OWord::Repeat {
             if open.left == 0 {
@@ -247,12 +287,12 @@ impl<'s> Flows<'s> {
         Ok(())
     }
     fn o_break(&mut self, label: &str, span: Span) -> Check<()> {
-        self.innermost(label, span)?;
+        self.innermost(label, OWord::Break, span)?;
         self.loops.pop();
         self.skip_to(label, &[OWord::EndWhile, OWord::EndRepeat, OWord::While], span, true).map(|_| ())
     }
     fn o_continue(&mut self, label: &str, span: Span) -> Check<()> {
-        let open = self.innermost(label, span)?;
+        let open = self.innermost(label, OWord::Continue, span)?;
         match open.word {
             OWord::While => self.lines.go(open.at),
             _ => {

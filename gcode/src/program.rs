@@ -318,8 +318,8 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         if !self.t.faults.is_empty() || !self.t.sink.slowed.is_empty() {
             self.settle(line, text);
         }
-        if let Some(limit) = self.exceeded() {
-            self.report(line, text, &Fault::with(Id::GC602, block.span, &[&limit]));
+        if let Some((limit, what)) = self.exceeded() {
+            self.report(line, text, &Fault::with(Id::GC602, block.span, &[&limit, &what]));
             self.give_up();
         }
     }
@@ -330,15 +330,16 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         self.flows.unwind();
     }
     /// The limit of GC602 that the program has passed.
-    fn exceeded(&mut self) -> Option<u64> {
+    fn exceeded(&mut self) -> Option<(u64, &'static str)> {
         let (limits, blocks) = (self.t.options.limits, self.t.facts.blocks + self.flows.scanned);
         if self.t.sink.commands != self.commanded.0 {
             self.commanded = (self.t.sink.commands, blocks);
         }
-        if blocks > limits.blocks || self.t.sink.commands > limits.commands {
-            return Some(limits.blocks);
+        if self.t.sink.commands > limits.commands {
+            return Some((limits.commands, "commands spooled"));
         }
-        (blocks - self.commanded.1 > limits.idle_blocks).then_some(limits.idle_blocks)
+        let most = [(blocks, limits.blocks), (blocks - self.commanded.1, limits.idle_blocks)];
+        most.iter().find(|(count, limit)| count > limit).map(|(_, limit)| (*limit, "blocks executed"))
     }
     /// Program numbers, assignments and statements.
     fn execute_special(&mut self, block: &mut Block, text: &[u8]) -> crate::diagnostics::Check<Flow> {

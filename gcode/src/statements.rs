@@ -7,7 +7,7 @@ use crate::source::decode;
 
 const MAX_TEXT: usize = 512;
 
-const O_WORDS: &[(&str, OWord)] = &[
+pub(crate) const O_WORDS: &[(&str, OWord)] = &[
     ("sub", OWord::Sub),
     ("endsub", OWord::EndSub),
     ("call", OWord::Call),

@@ -353,6 +353,31 @@ fn ids_that_need_another_machine_or_option() {
     );
 }
 
+/// Loops are named as the program has them, and a limit is that which was passed.
+#[test]
+fn loops_and_limits_are_named() {
+    let few = Limits { commands: 10, ..Limits::default() };
+    let said = |text: &str, limits: Limits| {
+        let options = Options { profile: Some(Profile::Linuxcnc), limits, ..Options::default() };
+        compile(text.as_bytes(), "t.nc", &mill3(), &options).diagnostics[0].message.clone()
+    };
+    let texts = [
+        ("o1 do\no1 endwhile\nM30\n", "o1 endwhile without o1 while or crossed loops"),
+        ("o<name> break\nM30\n", "o<name> break without o<name> while or crossed loops"),
+        ("o1 if [0]\nM30\n", "o1 without o1 elseif/o1 else/o1 endif"),
+        ("o1 repeat [2]\n", "o1 repeat without o1 endrepeat"),
+        ("END2\nM30\n", "END2 without DO2 or crossed loops"),
+        ("WHILE [0 EQ 1] DO1\nM30\n", "DO1 without END1"),
+    ];
+    for (text, message) in texts {
+        assert_eq!(said(text, Limits::default()), message);
+    }
+    let endless = "WHILE [1 EQ 1] DO1\nG91 X1\nX-1\nEND1\nM30\n";
+    assert_eq!(said(endless, few), "more than 10 commands spooled (endless loop?)");
+    let blocks = Limits { blocks: 1000, ..Limits::default() };
+    assert_eq!(said(endless, blocks), "more than 1000 blocks executed (endless loop?)");
+}
+
 /// Files that a Rust string cannot hold, and long ones: (id, line, column, end column, bytes).
 fn files() -> Vec<(&'static str, u32, u32, u32, Vec<u8>)> {
     let long = |n: usize| format!("write \"{}\"\nM30\n", "x".repeat(n)).into_bytes();
