@@ -94,6 +94,8 @@ class CompiledJob:
     program: native_gcode.Program
     warnings: tuple[Diagnostic, ...]
     facts: dict[str, Any]
+    #: feed that stands in place of the programmed ones, mm/s
+    dry_feed: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,7 +241,7 @@ def compile_job(source: JobSource, machine: MachineFile, options: CompileOptions
     program, diagnostics, facts = diagnose(source, machine, options, check_only=False)
     if program is None:
         raise CompileError(diagnostics)
-    return CompiledJob(source, machine, program, diagnostics, facts)
+    return CompiledJob(source, machine, program, diagnostics, facts, options.dry_feed)
 
 
 def check_held(path: str, blocks: int) -> None:

@@ -365,6 +365,10 @@ TEXTS: dict[str, tuple[str, str]] = {
         "mdvel), sonst Geometrie; cnc-front tune variiert die Regler",
     ),
     "named_findings": ("{count} findings", "{count} Befunde"),
+    "dry_feed_run": (
+        "run with the dry-run feed {feed:.0f} mm/min: says nothing of the deviation with the programmed feeds",
+        "mit dem Probelaufvorschub {feed:.0f} mm/min gefahren: sagt nichts über die programmierten Vorschübe",
+    ),
     "log_event": ("{t_s:10.3f} s  line {line}: {kind} {text}", "{t_s:10.3f} s  Zeile {line}: {kind} {text}"),
 }
 

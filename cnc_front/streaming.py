@@ -138,6 +138,8 @@ class StreamedJob:
     facts: dict[str, Any]
     #: who takes the commands
     users: tuple[int, ...]
+    #: as of a CompiledJob; only the terminal has it, which streams nothing
+    dry_feed: None = None
 
     def settle(self) -> None:
         """The run needs no more commands: waits for the end of the translation.

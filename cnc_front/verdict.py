@@ -48,10 +48,8 @@ def judge(result: RunResult, tolerance_mm: float | None, more: tuple[Reason, ...
     findings = (*_findings(result, limit), *more)
     if findings:
         return Verdict("FAIL", findings, Exit.CHECK_FAILED, limit)
-    warnings = len(result.job.warnings)
-    if warnings:
-        return Verdict("WARN", (Reason("warnings", {"count": warnings}),), Exit.DONE, limit)
-    return Verdict("PASS", (), Exit.DONE, limit)
+    remarks = _remarks(result)
+    return Verdict("WARN" if remarks else "PASS", remarks, Exit.DONE, limit)
 
 
 def with_findings(verdict: Verdict, findings: list[dict[str, Any]]) -> Verdict:
@@ -59,6 +57,16 @@ def with_findings(verdict: Verdict, findings: list[dict[str, Any]]) -> Verdict:
     if verdict.word == "FAIL" or not findings:
         return verdict
     return replace(verdict, word="WARN", reasons=(*verdict.reasons, Reason("named_findings", {"count": len(findings)})))
+
+
+def _remarks(result: RunResult) -> tuple[Reason, ...]:
+    """What is worth a warning although everything was kept."""
+    remarks = []
+    if result.job.warnings:
+        remarks.append(Reason("warnings", {"count": len(result.job.warnings)}))
+    if result.job.dry_feed is not None:
+        remarks.append(Reason("dry_feed_run", {"feed": result.job.dry_feed * 60.0}))
+    return tuple(remarks)
 
 
 def _why_stopped(result: RunResult) -> Reason | None:

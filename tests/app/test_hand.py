@@ -330,6 +330,9 @@ def test_the_dry_run_feed_is_the_operators_else_that_of_the_machine_file(
     assert run(engine).machine_time_s == pytest.approx(4.0, abs=0.6) and engine.snapshot().dry_feed == 1500.0
     engine.set_switches(Switches(dry_run=True, dry_feed=3000.0))
     assert run(engine).machine_time_s == pytest.approx(2.0, abs=0.6) and engine.snapshot().dry_feed == 3000.0
+    done = engine.outcome()
+    assert done is not None and done.run["verdict"]["word"] == "WARN", "the programmed feed was not tried"
+    assert {"id": "dry_feed_run", "feed": 3000.0} in done.run["verdict"]["reasons"]
     engine.close()
 
 

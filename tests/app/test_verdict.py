@@ -29,11 +29,14 @@ def result(
     alarms: tuple[AlarmEvent, ...] = (),
     completed: bool = True,
     warnings: int = 0,
+    dry_feed: float | None = None,
 ) -> Any:
     worst = {"line": 3}
     return SimpleNamespace(
         job=SimpleNamespace(
-            machine=SimpleNamespace(machine=SimpleNamespace(tolerance_mm=0.05)), warnings=[None] * warnings
+            machine=SimpleNamespace(machine=SimpleNamespace(tolerance_mm=0.05)),
+            warnings=[None] * warnings,
+            dry_feed=dry_feed,
         ),
         options=SimpleNamespace(max_time_s=9.0),
         execution=SimpleNamespace(end=end, alarms=list(alarms), task_error=(8, 4), fault=FAULT),
@@ -53,6 +56,7 @@ def result(
     [
         ({}, "PASS", Exit.DONE, []),
         ({"warnings": 2}, "WARN", Exit.DONE, ["warnings"]),
+        ({"dry_feed": 50.0}, "WARN", Exit.DONE, ["dry_feed_run"]),
         ({"actual": 0.05}, "PASS", Exit.DONE, []),
         ({"actual": 0.0501}, "FAIL", Exit.CHECK_FAILED, ["tolerance"]),
         ({"setpoint": 1.1e-6}, "FAIL", Exit.CHECK_FAILED, ["setpoint"]),
