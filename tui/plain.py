@@ -14,18 +14,19 @@ from datetime import datetime
 from pathlib import Path
 from typing import TextIO
 
-from cnc_front.engine import Engine, Job, State
+from cnc_front.engine import Engine, State
 from cnc_front.errors import CompileError, UsageError
-from cnc_front.german import in_language
 from cnc_front.messages import text as message
 from cnc_front.outcome import Outcome
 from tui.archive import Archive
 from tui.keeper import Keeper
 from tui.look import make_look
 from tui.messages import Messages
-from tui.operation import Operation, number_of
-from tui.plain_words import VERBS, verb_of
-from tui.program import block_name, find_block
+from tui.operation import number_of
+from tui.plain_desk import Desk
+from tui.plain_search import Search
+from tui.plain_words import VERBS, nearest, verb_of, way
+from tui.program import block_name
 from tui.rows import clean
 from tui.states import FACES, UNDERWAY
 from tui.values import Shown, minutes, progress
@@ -47,15 +48,19 @@ class Plain:
     ) -> None:
         self._engine, self._words, self._out, self._clock = engine, words, out, clock
         self._messages = Messages(words)
-        self._operation = Operation(engine, words, self._say)
-        self._keeper = Keeper(engine, archive, self._say)
+        self._desk = Desk(engine, words, self._print)
+        self._operation = self._desk.operation
+        self._keeper = Keeper(engine, archive, self._print)
         self._look = make_look("mono", "ascii")
-        self._job: Job | None = None
         self._commands: queue.SimpleQueue[str | None] = queue.SimpleQueue()
-        self._printed = 0
+        own = {verb.id: getattr(self, f"_do_{verb.id}") for verb in VERBS if hasattr(self, f"_do_{verb.id}")}
+        #: what each command does with the words behind it
+        self.deeds: dict[str, Callable[[str], None]] = {**own, **Search(self._desk).deeds()}
+        self._message = ""
         self._every_s, self._told_at = 1.0, 0.0
         self._waits_until: float | None = None
         self._asked_at = 0.0
+        self._revision = 0
         self._outcome = 0
         self._is_over = False
 
@@ -115,10 +120,11 @@ class Plain:
     # ---- what is told
 
     def _shown(self) -> Shown:
-        return Shown(self._engine.snapshot(), self._job, self._look, self._words)
+        return Shown(self._engine.snapshot(), self._desk.job, self._look, self._words)
 
     def _watch(self) -> None:
         """Tells what happened since the last look, and once in a while how far the job is."""
+        self._follow()
         shown, now = self._shown(), time.monotonic()
         before = len(self._messages.log)
         self._messages.watch(shown, self._clock())
@@ -135,8 +141,16 @@ class Plain:
             self._told_at = now
             self._print(self._status(shown))
 
-    def _say(self, text: str) -> None:
-        self._print(text)
+    def _follow(self) -> None:
+        """The job as it is loaded now, and what the machine has to say."""
+        snapshot = self._engine.snapshot()
+        if snapshot.revision != self._revision:
+            self._revision = snapshot.revision
+            self._desk.job = self._engine.current_job() or self._desk.job
+        if snapshot.message != self._message:
+            self._message = snapshot.message
+            if self._message and not snapshot.replay:
+                self._print(self._message)
 
     def _print(self, text: str) -> None:
         self._out.write("\n".join(clean(line) for line in text.split("\n")) + "\n")
@@ -174,11 +188,20 @@ class Plain:
         words = line.split()
         verb = verb_of(words[0] if words else "")
         if verb is None:
-            self._print(self._words("plain_unknown", text=line.strip()[:40]))
+            near, text = nearest(words[0]), line.strip()[:40]
+            if near is not None:
+                self._print(self._words("plain_near", text=text, near=way(near, self._words.language)))
+            else:
+                self._print(self._words("plain_unknown", text=text))
             return
-        if verb in ("start", "resume", "step", "reset"):
+        if verb != "yes":
+            self._desk.pending = None
+        if verb != "wait":
             self._asked_at = time.monotonic()
-        getattr(self, f"_do_{verb}")(line.strip().partition(" ")[2].strip())
+        self.deeds[verb](line.strip().partition(" ")[2].strip())
+
+    def _do_yes(self, _: str) -> None:
+        self._desk.answer()
 
     def _do_hold(self, _: str) -> None:
         """The reading thread has passed it on already."""
@@ -227,15 +250,6 @@ class Plain:
             values = (axis.actual, axis.command, axis.to_go, axis.following * 1000)
             self._print(self._words("plain_axis", axis=axis.name, unit=axis.unit, values=values))
 
-    def _do_block(self, text: str) -> None:
-        """The text of a block, of the current one without a name."""
-        snapshot = self._engine.snapshot()
-        line = find_block(self._job.lines, text) if text and self._job else snapshot.line
-        if self._job is None or not line or line > len(self._job.lines):
-            self._print(self._words("goto_none", text=text[:20]))
-        else:
-            self._print(f"{block_name(self._job.lines, line)}: {self._job.lines[line - 1][:200]}")
-
     def _do_alarms(self, _: str) -> None:
         entries = self._keeper.book.open
         for entry in entries:
@@ -275,13 +289,10 @@ class Plain:
     def _load(self, path: str) -> None:
         try:
             job = self._engine.load(path)
-        except CompileError as error:
-            for diagnostic in error.diagnostics:
-                self._print(in_language(diagnostic, self._words.language))
-        except (UsageError, OSError) as error:
-            self._print(f"{path}: {error}")
+        except (CompileError, UsageError, OSError) as error:
+            self._desk.refuse(error, path)
         else:
-            self._job = job
+            self._desk.job = job
             deadline = time.monotonic() + ECHO_S
             while self._operation.state is State.NO_JOB and time.monotonic() < deadline:
                 time.sleep(TICK_S / 5)
@@ -304,10 +315,8 @@ class Plain:
             self._every_s = seconds
 
     def _do_help(self, _: str) -> None:
-        column = 1 if self._words.language == "de" else 0
         for verb in VERBS:
-            names = ", ".join(verb.german if column else verb.english)
-            self._print(f"{names}: {verb.help[column]}")
+            self._print(way(verb.id, self._words.language))
         self._print(self._words("help_stop"))
 
     def _do_quit(self, text: str) -> None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cache
 
 
 @dataclass(frozen=True, slots=True)
 class Verb:
-    """A command: the method of Plain behind `_do_`, its words, and what help says of it."""
+    """A command: its words, and what help says of it, with the way to type it first."""
 
     id: str
     english: tuple[str, ...]
@@ -33,6 +34,25 @@ VERBS: tuple[Verb, ...] = (
     Verb("status", ("status", "s"), ("stand",), ("state, block, positions, progress", "Zustand, Satz, Positionen")),
     Verb("position", ("position", "p"), ("position", "ort"), ("every axis in a line", "jede Achse in einer Zeile")),
     Verb("block", ("block",), ("satz",), ("block, block N120: text of a block", "satz, satz N120: Text eines Satzes")),
+    Verb(
+        "blocks",
+        ("blocks",),
+        ("sätze", "saetze"),
+        (
+            "blocks, blocks N120: ten blocks from the current one, or that one, on",
+            "sätze, sätze N120: zehn Sätze von da",
+        ),
+    ),
+    Verb(
+        "search",
+        ("search",),
+        ("suche", "satzsuchlauf"),
+        (
+            "search N120, search 45: the state before a block or line; yes takes it, start starts there; search 0: top",
+            "suche N120, suche 45: Zustand vor Satz oder Zeile; ja übernimmt, los beginnt dort; suche 0: Anfang",
+        ),
+    ),
+    Verb("yes", ("yes", "y"), ("ja",), ("to what was just asked", "zu dem, was eben gefragt wurde")),
     Verb("alarms", ("alarms", "a"), ("störungen", "stoerungen"), ("open alarms", "offene Störungen")),
     Verb("acknowledge", ("acknowledge", "ack"), ("quittieren",), ("alarms whose cause is gone", "behobene Störungen")),
     Verb("report", ("report",), ("bericht",), ("verdict and worst blocks", "Urteil und größte Abweichungen")),
@@ -53,3 +73,15 @@ def _by_word() -> dict[str, str]:
 def verb_of(word: str) -> str | None:
     """The command of a word; nothing typed is a hold, the one that must be easy."""
     return "hold" if not word else _by_word().get(word.lower())
+
+
+def nearest(word: str) -> str | None:
+    """The command whose word is most like an unknown one; None where none is like it at all."""
+    found = get_close_matches(word.lower(), _by_word(), n=1, cutoff=0.5)
+    return _by_word()[found[0]] if found else None
+
+
+def way(id: str, language: str) -> str:
+    """What help says of a command."""
+    verb = next(verb for verb in VERBS if verb.id == id)
+    return f"{', '.join(verb.german if language == 'de' else verb.english)}: {verb.help[language == 'de']}"

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from tui.plain_texts import PLAIN_TEXTS
+
 TEXTS: dict[str, tuple[str, str]] = {
+    **PLAIN_TEXTS,
     "cnc_task": ("CNC task", "CNC-Task"),
     "task_runs": ("runs", "läuft"),
     "task_waits": ("waits", "wartet"),
@@ -297,30 +300,6 @@ TEXTS: dict[str, tuple[str, str]] = {
         "cnc-front, der Schirm des Bedieners: nur zum Zusehen. Hier bewegt sich nichts.",
     ),
     "viewed": ("Browser view: http://localhost:{port}/", "Browseransicht: http://localhost:{port}/"),
-    "plain_hello": (
-        "Line mode: help lists the commands; an empty line holds.",
-        "Zeilenmodus: hilfe nennt die Befehle; eine leere Zeile hält an.",
-    ),
-    "plain_unknown": ("{text}: no such command; help lists them.", "{text}: kein Befehl; hilfe nennt sie."),
-    "plain_hold": ("Hold asked for.", "Halt angefordert."),
-    "plain_reset": (
-        "Reset drops the spooler; the job starts again from the top. Type: reset yes",
-        "Reset leert den Spooler; der Auftrag beginnt von vorn. Eingeben: abbruch ja",
-    ),
-    "plain_quit": (
-        "A job is under way: held. Type: quit yes",
-        "Ein Auftrag ist in Arbeit: angehalten. Eingeben: ende ja",
-    ),
-    "plain_single_on": ("single block on", "Einzelsatz ein"),
-    "plain_single_off": ("single block off", "Einzelsatz aus"),
-    "plain_speed_bad": ("{text}: no speed from 1 to 1000, or max.", "{text}: kein Tempo von 1 bis 1000, oder max."),
-    "plain_every_bad": ("{text}: no number of seconds from 0 to 3600.", "{text}: keine Sekunden von 0 bis 3600."),
-    "plain_axis": (
-        "{axis}: actual {values[0]:+.4f} {unit}, command {values[1]:+.4f}, to go {values[2]:.4f}, "
-        "following {values[3]:+.1f} um",
-        "{axis}: Ist {values[0]:+.4f} {unit}, Soll {values[1]:+.4f}, Restweg {values[2]:.4f}, "
-        "Schleppfehler {values[3]:+.1f} um",
-    ),
     "start_at": (
         "Start at block (N620) or line (12); 0: from the top:",
         "Satzsuchlauf zu Satz (N620) oder Zeile (12); 0: Anfang:",

@@ -1,0 +1,34 @@
+"""Texts of the line mode alone, English and German; those that the screen has too stand in `words.py`."""
+
+from __future__ import annotations
+
+PLAIN_TEXTS: dict[str, tuple[str, str]] = {
+    "plain_hello": (
+        "Line mode: help lists the commands; an empty line holds.",
+        "Zeilenmodus: hilfe nennt die Befehle; eine leere Zeile hält an.",
+    ),
+    "plain_unknown": ("{text}: no such command; help lists them.", "{text}: kein Befehl; hilfe nennt sie."),
+    "plain_hold": ("Hold asked for.", "Halt angefordert."),
+    "plain_reset": (
+        "Reset drops the spooler; the job starts again from the top. Type: reset yes",
+        "Reset leert den Spooler; der Auftrag beginnt von vorn. Eingeben: abbruch ja",
+    ),
+    "plain_quit": (
+        "A job is under way: held. Type: quit yes",
+        "Ein Auftrag ist in Arbeit: angehalten. Eingeben: ende ja",
+    ),
+    "plain_single_on": ("single block on", "Einzelsatz ein"),
+    "plain_single_off": ("single block off", "Einzelsatz aus"),
+    "plain_speed_bad": ("{text}: no speed from 1 to 1000, or max.", "{text}: kein Tempo von 1 bis 1000, oder max."),
+    "plain_every_bad": ("{text}: no number of seconds from 0 to 3600.", "{text}: keine Sekunden von 0 bis 3600."),
+    "plain_axis": (
+        "{axis}: actual {values[0]:+.4f} {unit}, command {values[1]:+.4f}, to go {values[2]:.4f}, "
+        "following {values[3]:+.1f} um",
+        "{axis}: Ist {values[0]:+.4f} {unit}, Soll {values[1]:+.4f}, Restweg {values[2]:.4f}, "
+        "Schleppfehler {values[3]:+.1f} um",
+    ),
+    "plain_near": ("{text}: no such command; nearest: {near}", "{text}: kein Befehl; am nächsten: {near}"),
+    "plain_yes": ("Type: yes (anything else leaves it)", "Eingeben: ja (alles andere lässt es)"),
+    "plain_not_asked": ("Nothing was asked.", "Es war nichts gefragt."),
+    "plain_usage": ("Type: {way}", "Eingeben: {way}"),
+}
