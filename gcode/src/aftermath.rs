@@ -121,8 +121,9 @@ impl Doubts {
 impl Run<'_, '_, '_> {
     /// A bad block ends the program, or the subprogram, all the same.
     #[cold]
-    pub(crate) fn salvage(&mut self, block: &Block, faults: &[Fault]) {
+    pub(crate) fn salvage(&mut self, block: &Block, text: &[u8], faults: &[Fault]) {
         self.t.salvage(block, faults);
+        self.note_inch(text);
         if block.m(2).or(block.m(30)).is_some() {
             self.program_end(Some("M30"));
         } else if block.m(99).or(block.m(17)).is_some() {

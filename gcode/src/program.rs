@@ -302,14 +302,12 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
             self.execute_special(block, text)
         };
         self.begun = true;
-        if let Some(span) = self.t.inch.1.take() {
-            self.inch = columns(text, span);
-        }
+        self.note_inch(text);
         match result {
             Ok(Flow::Next) => {}
             Ok(flow) => self.turn(flow, block),
             Err(fault) => {
-                self.salvage(block, std::slice::from_ref(&fault));
+                self.salvage(block, text, std::slice::from_ref(&fault));
                 if !self.follows(&fault) {
                     self.t.faults.push(fault);
                 }
@@ -321,6 +319,13 @@ impl<'t, 'm, 's> Run<'t, 'm, 's> {
         if let Some((limit, what)) = self.exceeded() {
             self.report(line, text, &Fault::with(Id::GC602, block.span, &[&limit, &what]));
             self.give_up();
+        }
+    }
+    /// Where the unit became inch, for GW934.
+    #[inline]
+    pub(crate) fn note_inch(&mut self, text: &[u8]) {
+        if let Some(span) = self.t.inch.1.take() {
+            self.inch = columns(text, span);
         }
     }
     /// An error after which nothing more of the program is worth reading.

@@ -34,7 +34,8 @@ impl Run<'_, '_, '_> {
             self.doubts.note(text);
             self.t.sink.drop_program();
             if self.mode == Mode::Run && !self.is_skipped(block) {
-                self.salvage(block, &faults);
+                self.t.line = self.flows.source_line(line);
+                self.salvage(block, text, &faults);
             }
         }
         bad

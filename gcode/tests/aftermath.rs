@@ -68,3 +68,15 @@ fn variables_and_loops_in_doubt() {
     assert_eq!(errors("#1=0\nWHILE [1/#1] DO1\nG0 X1\nEND1\nM30\n"), [(2, 9, "GC710")]);
     assert_eq!(errors("END1\nM30\n"), [(1, 1, "GC606")]);
 }
+
+#[test]
+fn inch_in_a_bad_block_is_told_where_it_stands() {
+    // nothing was executed before it; then a block that is refused when executed, a longer one behind it
+    for (text, place) in
+        [("G20 G40 o1 if\nG1 X200 F9\nM30\n", (1, 1)), ("G21\nG17 G20 M15\nG1 X200 F9\nX1 Y1\nM30\n", (2, 5))]
+    {
+        let found = run(text).diagnostics;
+        let hint = found.iter().find(|d| d.id == "GW934").map(|d| (d.line, d.column));
+        assert_eq!(hint, Some(place), "{found:?}");
+    }
+}
