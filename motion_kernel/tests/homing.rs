@@ -18,7 +18,7 @@ fn mill(change: impl Fn(&mut Machine)) -> Mcu {
     let mut machine = Machine::parse(text.as_bytes()).expect("valid");
     for axis in &mut machine.axes {
         axis.equipment.index = Some(Index { position: 1.25, period: 5.0, width: 0.01, inverted: false });
-        axis.equipment.home = Home { velocity: Some(10.0), acceleration: Some(100.0) };
+        axis.equipment.home = Home { velocity: Some(10.0), acceleration: Some(100.0), ..Home::default() };
     }
     change(&mut machine);
     mcu_of(machine, ModeReg(0))

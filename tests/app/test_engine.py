@@ -179,7 +179,7 @@ def test_alarms_have_code_text_and_language(job: Callable[..., Path], tmp_path: 
     assert engine.wait(10, lambda s: len(s.alarms) > 0)
     alarm = engine.snapshot().alarms[0]
     assert (alarm.code, alarm.axis) == ("E107", "X")
-    assert alarm.text.startswith("Schleppfehler 0.005") and "> 0.005 mm (mpe); Antrieb" in alarm.text
+    assert alarm.text.startswith("Schleppfehler 0.005") and "> 0.002 mm (mpe); Antrieb" in alarm.text
     engine.close()
 
 
@@ -290,11 +290,11 @@ def test_a_load_that_nobody_wants_any_more_replaces_nothing(engine: SimEngine, j
 def test_a_fault_by_hand_is_an_alarm_until_the_axes_move_again(tmp_path: Path) -> None:
     machine = tmp_path / "weak.toml"
     text = (ROOT / "examples" / "faults" / "machine.toml").read_text()
-    machine.write_text(text.replace("mpe = 1.0 ", "mpe = 0.005 "))
+    machine.write_text(text.replace("mpe = 1.0 ", "mpe = 0.002 "))
     engine = SimEngine(str(machine), speed=0)
     engine.jog("X", 10.0)
     assert engine.wait(5, lambda s: bool(s.alarms))
     (alarm,) = engine.snapshot().alarms
     assert (alarm.code, alarm.axis, alarm.name, alarm.stopped) == ("E107", "X", "mpe", True)
-    assert "> 0.005 mm (mpe)" in alarm.text and "mpe" in engine.snapshot().axes[0].bits
+    assert "> 0.002 mm (mpe)" in alarm.text and "mpe" in engine.snapshot().axes[0].bits
     engine.close()
