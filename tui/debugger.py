@@ -6,17 +6,19 @@ what they mean on the other screens: Space holds, `r` goes on, `t` steps.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Literal
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal
 
 from rich.text import Text
 from textual.app import App, ComposeResult
-from textual.binding import Binding, BindingType
 from textual.containers import Grid, Horizontal, Vertical
-from textual.widgets import Static
+from textual.widgets import Input, Static
 
 from tui import debug_panes as panes
+from tui.debug_keys import ALL_KEYS, debug_keys, help_text, line_text
 from tui.dialogs import Question
 from tui.hold_button import HoldButton, buttons
+from tui.keys import Key
 from tui.look import Look
 from tui.words import Words
 
@@ -44,28 +46,21 @@ class Debugger(App[None]):
     .task { height: 100%; }
     """
     ENABLE_COMMAND_PALETTE = False
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("space,escape", "hold", "", priority=True),
-        ("r", "resume", ""),
-        ("t", "step('into')", ""),
-        ("T", "step('over')", ""),
-        ("U", "step('out')", ""),
-        ("R", "step('on')", ""),
-        ("b", "toggle_break", ""),
-        ("equals_sign", "assign", ""),
-        ("c", "current", ""),
-        ("v", "view", ""),
-        Binding("tab", "next_task", "", priority=True),
-        ("up", "move(-1)", ""),
-        ("down", "move(1)", ""),
-        ("pageup", "move(-10)", ""),
-        ("pagedown", "move(10)", ""),
-        ("question_mark,f1", "help", ""),
-        Binding("ctrl+q", "quit", "", priority=True),
-    ]
 
-    def __init__(self, session: DebugSession, look: Look, words: Words, mouse: bool = True) -> None:
+    def __init__(
+        self,
+        session: DebugSession,
+        look: Look,
+        words: Words,
+        mouse: bool = True,
+        keys: Sequence[Key] = ALL_KEYS,
+    ) -> None:
+        """`keys`: those of all screens, with what a keymap changed."""
         super().__init__()
+        self.keys_table = debug_keys(keys)
+        self._bindings.key_to_bindings.clear()  # Textual's own: ctrl+q quits, whatever the table says
+        for key in self.keys_table:
+            self._bindings.bind(key.keys, key.action, key.english, show=False, priority=key.everywhere)
         self.session, self.look, self.words, self.mouse = session, look, words, mouse
         self.number = session.tasks[0].number
         #: line under the cursor; follows the task until it is moved
@@ -112,6 +107,14 @@ class Debugger(App[None]):
         self.session.hold()
         self._say("debug_held")
 
+    def action_leave(self) -> None:
+        """Hold, as from everywhere."""
+        self.action_hold()
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """In a text field Space and other keys of hold are typed, as on the main screen; Esc holds there too."""
+        return not isinstance(self.focused, Input) if action == "hold" else True
+
     def action_resume(self) -> None:
         """Goes on: behind a hold where everything was, else all tasks."""
         if self.session.held:
@@ -132,7 +135,8 @@ class Debugger(App[None]):
         self._say("")
 
     def _say(self, message: str) -> None:
-        self.message, self.follows = self.words(message) if message else "", True
+        key = next(key.shown for key in self.keys_table if key.action == "resume")
+        self.message, self.follows = self.words(message, key=key) if message else "", True
         self.draw()
 
     def action_toggle_break(self) -> None:
@@ -223,7 +227,7 @@ class Debugger(App[None]):
         self._put("tasks", panes.tasks(session, self.number, look, words))
         self.query_one(HoldButton).moves = session.works
         self._put("output", panes.output(session, look, self.query_one("#output").size.height))
-        keys = f" {self.message}" if self.message else words("debug_keys")
+        keys = f" {self.message}" if self.message else line_text(self.keys_table, words, self.size.width)
         self._put("keys", Text(keys, style=look.bar, no_wrap=True))
 
     def _put(self, name: str, text: Text) -> None:
@@ -246,4 +250,4 @@ class Debugger(App[None]):
 
     def help(self) -> Text:
         """All keys."""
-        return Text(self.words("debug_help"), style=self.look.text)
+        return Text(help_text(self.keys_table, self.words), style=self.look.text)

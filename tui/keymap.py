@@ -14,7 +14,8 @@ from pathlib import Path
 from textual.keys import Keys, _character_to_key
 
 from cnc_front.errors import UsageError
-from tui.keys import KEYS, Key
+from tui.debug_keys import ALL_KEYS, PAGE, SHARED
+from tui.keys import Key
 from tui.words import Words
 
 #: Keys that always hold.
@@ -43,7 +44,7 @@ def place(asked: str | None, environment: Mapping[str, str]) -> str | None:
 
 
 def read_keymap(path: str) -> tuple[Key, ...]:
-    """The table of keys with what the file changes. Raises UsageError: file:line and what to do."""
+    """The tables of keys of both screens with what the file changes. Raises UsageError: file:line and what to do."""
     try:
         with Path(path).open("rb") as file:
             text = file.read(MOST_BYTES).decode("utf-8")
@@ -51,7 +52,7 @@ def read_keymap(path: str) -> tuple[Key, ...]:
         raise UsageError(f"{path}: {error.strerror or error}") from None
     except UnicodeDecodeError:
         raise UsageError(f"{path}: no text in UTF-8") from None
-    return changed(KEYS, text.splitlines(), path)
+    return changed(ALL_KEYS, text.splitlines(), path)
 
 
 def changed(keys: Sequence[Key], lines: Iterable[str], file: str) -> tuple[Key, ...]:
@@ -113,11 +114,19 @@ def _refuse_clash(table: Mapping[str, Key], action: str, place: str) -> None:
     """No two actions of one page on one key; what counts on all pages counts on each."""
     key = table[action]
     for other_action, other in table.items():
-        if other is key or (key.page and other.page and key.page != other.page):
+        if other is key or not _meet(key, other):
             continue
         shared = set(key.keys.split(",")) & set(other.keys.split(","))
         if shared:
             raise UsageError(f"{place}: {min(shared)} belongs to {other_action} already; give that another key first")
+
+
+def _meet(one: Key, other: Key) -> bool:
+    """Both count on some page; on the screen of rw_SymPas jobs count its own and those that it shares."""
+    if (one.page == PAGE) != (other.page == PAGE):
+        main = other if one.page == PAGE else one
+        return not main.page and main.action in SHARED.values()
+    return not (one.page and other.page) or one.page == other.page
 
 
 def table_text(keys: Sequence[Key], words: Words) -> str:

@@ -8,7 +8,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import cast
 
@@ -17,7 +17,8 @@ from cnc_front.errors import Exit, UsageError
 from cnc_front.history import place
 from tui.app import Terminal
 from tui.archive import Archive
-from tui.keys import KEYS, Key
+from tui.debug_keys import ALL_KEYS, main_keys
+from tui.keys import Key
 from tui.look import Look, choose_look
 from tui.words import Words
 
@@ -39,9 +40,9 @@ def run_terminal(options: argparse.Namespace, language: str) -> int:
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise UsageError("tui needs a terminal; `tui --plain` and `cnc-front run` work without one")
     look = choose_look(options.theme, options.glyphs, os.environ)
-    if options.job and is_sap(options):
-        return debug(options, look, Words(language))
     keys = keys_of(options)
+    if options.job and is_sap(options):
+        return debug(options, look, Words(language), keys)
     engine = make_engine(options, language)
     archive = Archive(place(options.history), language)
     viewer = None
@@ -55,7 +56,14 @@ def run_terminal(options: argparse.Namespace, language: str) -> int:
             viewer = Viewer(options.view, Words(language)("view_note"), language, colours)
         mouse = not options.no_mouse
         terminal = Terminal(
-            engine, look, Words(language), job=options.job, archive=archive, keys=keys, viewer=viewer, mouse=mouse
+            engine,
+            look,
+            Words(language),
+            job=options.job,
+            archive=archive,
+            keys=main_keys(keys),
+            viewer=viewer,
+            mouse=mouse,
         )
         hold_when_hung_up(engine, terminal.leave_from_thread)
         terminal.run(mouse=mouse)
@@ -72,7 +80,7 @@ def keys_of(options: argparse.Namespace) -> tuple[Key, ...]:
     from tui import keymap
 
     path = keymap.place(options.keymap, os.environ)
-    return KEYS if path is None else keymap.read_keymap(path)
+    return ALL_KEYS if path is None else keymap.read_keymap(path)
 
 
 def run_plain(options: argparse.Namespace, language: str) -> int:
@@ -115,7 +123,7 @@ def is_sap(options: argparse.Namespace) -> bool:
     return read_job(options.job, options.language).language != "din66025"
 
 
-def debug(options: argparse.Namespace, look: Look, words: Words) -> int:
+def debug(options: argparse.Namespace, look: Look, words: Words, keys: Sequence[Key]) -> int:
     """Steps through a rw_SymPas job. Raises CompileError with every finding."""
     from cnc_front.jobs import load_machine, load_stimulus
     from cnc_front.sap_command import load_tasks
@@ -125,7 +133,7 @@ def debug(options: argparse.Namespace, look: Look, words: Words) -> int:
     machine = load_machine(options.machine, options.job)
     tasks = load_tasks(options, machine)
     stimulus, mouse = load_stimulus(None, options.job, machine), not options.no_mouse
-    Debugger(debug_session(machine, tasks, stimulus), look, words, mouse).run(mouse=mouse)
+    Debugger(debug_session(machine, tasks, stimulus), look, words, mouse, keys).run(mouse=mouse)
     return int(Exit.DONE)
 
 

@@ -16,8 +16,8 @@ TEXTS: dict[str, tuple[str, str]] = {
     "hold_button": ("HOLD", "HALT"),
     "hold_button_way": ("click", "Klick"),
     "debug_hold": ("HOLD", "HALT"),
-    "debug_held": ("held: axes and tasks stand; r goes on", "Halt: Achsen und Tasks stehen; r fährt fort"),
-    "debug_resume_first": ("held: r first", "Halt: erst r"),
+    "debug_held": ("held: axes and tasks stand; {key} goes on", "Halt: Achsen und Tasks stehen; {key} fährt fort"),
+    "debug_resume_first": ("held: {key} first", "Halt: erst {key}"),
     "debug_line": ("line", "Zeile"),
     "debug_no_statement": ("no statement follows here", "hier folgt keine Anweisung"),
     "debug_assign": ("Set a variable (or CI5, CD7): name = value", "Variable setzen (auch CI5, CD7): Name = Wert"),
@@ -27,23 +27,6 @@ TEXTS: dict[str, tuple[str, str]] = {
     ),
     "debug_assign_keys": ("Enter: set   Esc: leave, hold", "Enter: setzen   Esc: verlassen, Halt"),
     "events": ("events", "Ereignisse"),
-    "debug_keys": (
-        " SPACE Hold  r Go on  t Step  T over  U out  b Break  v View  Tab Task  F1 Help",
-        " LEER Halt r weiter t Schritt T darüber U hinaus b Haltep. v Sicht Tab Task F1",
-    ),
-    "debug_help": (
-        " Space Esc   hold: axes brake on the path,\n             tasks stop; r goes on\n"
-        " r           all tasks go on\n R           this task goes on\n t           step, into routines\n"
-        " T           step over routines\n U           out of the routine\n b           breakpoint on/off\n"
-        " up down     cursor (PgUp, PgDn)\n c           back to the current line\n Tab         next task\n"
-        " v           one task / side by side\n ^Q          quit\n",
-        " Leer Esc    Halt: Achsen bremsen auf der Bahn,\n             Tasks stehen; r fährt fort\n"
-        " r           alle Tasks weiter\n R           dieser Task weiter\n t           Schritt, in Routinen hinein\n"
-        " T           Schritt, über Routinen hinweg\n U           aus der Routine hinaus\n"
-        " b           Haltepunkt ein/aus\n"
-        " =           Variable setzen\n auf ab      Marke (Bild auf, ab)\n c           zur laufenden Zeile\n"
-        " Tab         nächster Task\n v           ein Task / nebeneinander\n ^Q          Ende\n",
-    ),
     "actual": ("ACTUAL", "IST"),
     "to_go": ("TO GO", "RESTWEG"),
     "command": ("COMMAND", "SOLL"),

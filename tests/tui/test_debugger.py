@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from pathlib import Path
 
 import pytest
@@ -15,7 +15,9 @@ from cnc_front.jobs import load_machine, load_stimulus
 from cnc_front.sap_command import load_tasks
 from cnc_front.sap_debug import debug_session
 from tests.sap.jobs import LOOPS
+from tui.debug_keys import ALL_KEYS
 from tui.debugger import Debugger
+from tui.keys import Key
 from tui.look import make_look
 from tui.words import Words
 
@@ -24,7 +26,15 @@ OTHER = "begin\n  while true do begin\n    CI5 := CI5 + 1;\n    wt(1000);\n  end
 Play = Callable[[Pilot[None], Debugger], Awaitable[None]]
 
 
-def played(tmp_path: Path, play: Play, *, text: str = LOOPS, language: str = "en", theme: str = "dark") -> None:
+def played(
+    tmp_path: Path,
+    play: Play,
+    *,
+    text: str = LOOPS,
+    language: str = "en",
+    theme: str = "dark",
+    keys: Sequence[Key] = ALL_KEYS,
+) -> None:
     """Runs a script of keys on the screen."""
     (tmp_path / "loops.src").write_text(text)
     (tmp_path / "other.src").write_text(OTHER)
@@ -33,7 +43,7 @@ def played(tmp_path: Path, play: Play, *, text: str = LOOPS, language: str = "en
     machine = load_machine(None, options.job)
     stimulus = load_stimulus(None, options.job, machine)
     session = debug_session(machine, load_tasks(options, machine), stimulus)
-    app = Debugger(session, make_look(theme, "ascii"), Words(language))
+    app = Debugger(session, make_look(theme, "ascii"), Words(language), keys=keys)
 
     async def go() -> None:
         async with app.run_test(size=(80, 24)) as pilot:
@@ -300,7 +310,7 @@ def test_four_tasks_fit_the_screen(size: tuple[int, int], language: str, tmp_pat
         await pilot.pause(0.3)
         panes = [app.query_one(f"#task{n}") for n in (0, 2)]
         assert all(p.region.width >= size[0] // 2 - 2 and p.region.height >= 7 for p in panes)
-        assert len(shown(app, "keys")) <= 80 and len(shown(app, "head").rstrip()) <= 80
+        assert len(shown(app, "keys")) <= size[0] and len(shown(app, "head").rstrip()) <= 80
         await pilot.press("v", "f1")
         await pilot.pause(0.2)
         assert "^Q" in shown(app, "source")

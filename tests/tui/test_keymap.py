@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
+from textual.pilot import Pilot
 
 from cnc_front.cli import run_command_line
 from cnc_front.errors import UsageError
 from tests.tui.stage import Stage, play
+from tests.tui.test_debugger import marked, played, shown
+from tui.debug_keys import ALL_KEYS, main_keys
+from tui.debugger import Debugger
 from tui.keymap import changed, place, read_keymap, table_text
 from tui.keys import KEYS
 from tui.words import Words
@@ -31,7 +36,7 @@ def test_other_keys_count_in_bindings_help_and_key_line(tmp_path: Path) -> None:
         await stage.press("1")
         assert "f9 k          cycle start" in await stage.frame()
 
-    play(script, keys=keys)
+    play(script, keys=main_keys(keys))
 
 
 def test_hold_cannot_be_unbound() -> None:
@@ -45,7 +50,7 @@ def test_hold_cannot_be_unbound() -> None:
             await stage.press(key)
             assert stage.engine.calls == ["hold"], key
 
-    play(script, keys=keys)
+    play(script, keys=main_keys(keys))
 
 
 @pytest.mark.parametrize(
@@ -76,8 +81,8 @@ def test_one_key_may_mean_something_else_on_another_page() -> None:
 
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_the_printed_table_changes_nothing(language: str) -> None:
-    text = table_text(KEYS, Words(language))
-    assert [key.keys for key in changed(KEYS, text.splitlines(), "k")] == [key.keys for key in KEYS]
+    text = table_text(ALL_KEYS, Words(language))
+    assert [key.keys for key in changed(ALL_KEYS, text.splitlines(), "k")] == [key.keys for key in ALL_KEYS]
 
 
 def test_where_it_is_looked_for(tmp_path: Path) -> None:
@@ -96,3 +101,50 @@ def test_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert run_command_line(arguments) == 2 and f"{tmp_path / 'k'}:3: " in capsys.readouterr().err
     (tmp_path / "k").unlink()
     assert run_command_line(arguments) == 2
+
+
+def test_the_screen_of_sympas_jobs_has_the_keys_of_the_file(tmp_path: Path) -> None:
+    lines = [
+        "start = f9",
+        "step = k",
+        "hold = f12",
+        "ask_quit = ctrl+k",
+        "debug:step('over') = O, f4",
+        "debug:current = t",
+    ]
+
+    async def play(pilot: Pilot[None], app: Debugger) -> None:
+        assert " f9 Go on  k Step  O over " in shown(app, "keys")
+        await pilot.press("t", "r", "T")
+        assert app.session.run.machine_time_s == 0.0 and not app.session.works, "their keys of before do nothing"
+        await pilot.press("k", "k")
+        assert "mean := Half(sum);" in marked(app)[0]
+        await pilot.press("O")
+        assert "writeln" in marked(app)[0]
+        for key in ("space", "f12", "escape"):
+            await pilot.press("f9", key)
+            assert app.session.held and "f9 goes on" in shown(app, "keys"), key
+        await pilot.press("f1")
+        text = shown(app, "source")
+        assert " O f4        step over routines" in text and " space f12   hold" in text and "^K" in text
+        await pilot.press("ctrl+q")
+        assert app.is_running
+        await pilot.press("ctrl+k")
+        assert not app.is_running
+
+    played(tmp_path, play, keys=changed(ALL_KEYS, lines, "k"))
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ("debug:view = space", "space belongs to hold already"),
+        ("debug:assign = escape", "escape belongs to escape already"),
+        ("start = T", "T belongs to debug:step('over') already"),
+        ("debug:assign = b", "b belongs to debug:toggle_break already"),
+    ],
+)
+def test_keys_of_sympas_jobs_do_not_clash(line: str, says: str) -> None:
+    with pytest.raises(UsageError, match=re.escape(says)):
+        changed(ALL_KEYS, [line], "k")
+    changed(ALL_KEYS, ["debug:assign = o"], "k")  # optional stop is no key of that screen
