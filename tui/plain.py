@@ -24,6 +24,8 @@ from tui.look import make_look
 from tui.messages import Messages
 from tui.operation import number_of
 from tui.plain_desk import Desk
+from tui.plain_hand import Hand
+from tui.plain_mdi import Mdi
 from tui.plain_search import Search
 from tui.plain_words import VERBS, nearest, verb_of, way
 from tui.program import block_name
@@ -50,12 +52,15 @@ class Plain:
         self._messages = Messages(words)
         self._desk = Desk(engine, words, self._print)
         self._operation = self._desk.operation
+        self._hand, self._mdi = Hand(self._desk), Mdi(self._desk)
         self._keeper = Keeper(engine, archive, self._print)
         self._look = make_look("mono", "ascii")
         self._commands: queue.SimpleQueue[str | None] = queue.SimpleQueue()
         own = {verb.id: getattr(self, f"_do_{verb.id}") for verb in VERBS if hasattr(self, f"_do_{verb.id}")}
         #: what each command does with the words behind it
-        self.deeds: dict[str, Callable[[str], None]] = {**own, **Search(self._desk).deeds()}
+        self.deeds: dict[str, Callable[[str], None]] = dict(own)
+        for room in (Search(self._desk), self._hand, self._mdi):
+            self.deeds |= room.deeds()
         self._message = ""
         self._every_s, self._told_at = 1.0, 0.0
         self._waits_until: float | None = None
@@ -133,6 +138,8 @@ class Plain:
             self._print(" ".join(part for part in (entry.clock, entry.code, entry.text) if part))
         if len(self._messages.log) > 100:
             self._messages.log.clear()
+        for room in (self._hand, self._mdi):
+            room.watch(shown.snapshot)
         outcome = self._engine.outcome()
         if outcome is not None and outcome.number != self._outcome:
             self._outcome = outcome.number
@@ -198,6 +205,8 @@ class Plain:
             self._desk.pending = None
         if verb != "wait":
             self._asked_at = time.monotonic()
+        if verb in ("jog", "yes", "start"):
+            self._message = ""  # the same refusal again is told again
         self.deeds[verb](line.strip().partition(" ")[2].strip())
 
     def _do_yes(self, _: str) -> None:
@@ -207,14 +216,11 @@ class Plain:
         """The reading thread has passed it on already."""
         self._print(self._words("plain_hold"))
 
-    def _do_start(self, _: str) -> None:
-        self._operation.start(0.0)
-
-    def _do_resume(self, _: str) -> None:
-        self._operation.start(0.0)
-
-    def _do_step(self, _: str) -> None:
-        self._operation.step(0.0)
+    def _do_step(self, text: str) -> None:
+        if text:
+            self._hand.set_step(text)
+        else:
+            self._operation.step(0.0)
 
     def _do_reset(self, text: str) -> None:
         if text.lower() in ("yes", "ja"):
@@ -247,8 +253,7 @@ class Plain:
 
     def _do_position(self, _: str) -> None:
         for axis in self._engine.snapshot().axes:
-            values = (axis.actual, axis.command, axis.to_go, axis.following * 1000)
-            self._print(self._words("plain_axis", axis=axis.name, unit=axis.unit, values=values))
+            self._desk.tell_axis(axis)
 
     def _do_alarms(self, _: str) -> None:
         entries = self._keeper.book.open
@@ -292,7 +297,7 @@ class Plain:
         except (CompileError, UsageError, OSError) as error:
             self._desk.refuse(error, path)
         else:
-            self._desk.job = job
+            self._desk.job, self._desk.block = job, None
             deadline = time.monotonic() + ECHO_S
             while self._operation.state is State.NO_JOB and time.monotonic() < deadline:
                 time.sleep(TICK_S / 5)

@@ -19,6 +19,8 @@ class Desk:
         self.engine, self.words, self.say = engine, words, say
         self.operation = Operation(engine, words, say)
         self.job: Job | None = None
+        #: the MDI block that `start` executes; empty: none is checked; None: `start` is for the job
+        self.block: str | None = None
         #: what `yes` does; any other command lets it go
         self.pending: Callable[[], None] | None = None
 
@@ -46,6 +48,18 @@ class Desk:
         if found is None:
             self.say(self.words("no_axis", axis=name[:20]))
         return found
+
+    def tell_axis(self, axis: AxisValues) -> None:
+        """Where it is."""
+        values = (axis.actual, axis.command, axis.to_go, axis.following * 1000)
+        self.say(self.words("plain_axis", axis=axis.name, unit=axis.unit, values=values))
+
+    def is_free(self) -> bool:
+        """Nothing is under way; else says so."""
+        busy = self.operation.is_underway
+        if busy:
+            self.say(self.words("hand_busy"))
+        return not busy
 
     def refuse(self, error: Exception, path: str = "") -> None:
         """Why something cannot be done: every finding in a line of its own."""

@@ -78,5 +78,6 @@ class Search:
         except (CompileError, UsageError, OSError) as error:
             desk.refuse(error)
         else:
+            desk.block = None
             name = block_name(job.lines, int(block)) if block.isdecimal() else block
             desk.say(desk.words("start_at_done", block=name) if block else desk.words("start_at_top"))

@@ -31,4 +31,16 @@ PLAIN_TEXTS: dict[str, tuple[str, str]] = {
     "plain_yes": ("Type: yes (anything else leaves it)", "Eingeben: ja (alles andere lässt es)"),
     "plain_not_asked": ("Nothing was asked.", "Es war nichts gefragt."),
     "plain_usage": ("Type: {way}", "Eingeben: {way}"),
+    "plain_jog_step": ("{axis}: jog step {step:g} {unit}", "{axis}: Schritt beim Tippen {step:g} {unit}"),
+    "plain_jog_bad": ("{text}: no step from {low:g} to {most:g}.", "{text}: kein Schritt von {low:g} bis {most:g}."),
+    "plain_jogs": ("{axis} jogs {distance:+g} {unit}", "{axis} tippt {distance:+g} {unit}"),
+    "plain_jog_moves": ("Dropped: a step is under way; wait first.", "Verworfen: ein Schritt läuft noch; erst warte."),
+    "plain_zero_now": (
+        "{axis}: G54 zero {zero:+.4f}, program coordinate {at:+.4f}",
+        "{axis}: Nullpunkt G54 {zero:+.4f}, Programmkoordinate {at:+.4f}",
+    ),
+    "plain_mdi_nothing": (
+        "No block is checked. Type: mdi BLOCK; start job starts the job.",
+        "Kein Satz ist geprüft. Eingeben: mdi SATZ; los auftrag startet den Auftrag.",
+    ),
 }

@@ -26,7 +26,12 @@ VERBS: tuple[Verb, ...] = (
     ),
     Verb("start", ("start", "r"), ("los",), ("cycle start, or goes on", "NC-Start, oder weiter")),
     Verb("resume", ("resume", "continue"), ("weiter",), ("goes on", "fährt weiter")),
-    Verb("step", ("step", "t"), ("schritt",), ("one block", "ein Satz")),
+    Verb(
+        "step",
+        ("step", "t"),
+        ("schritt",),
+        ("one block; step X 0.1: how far a jog of X goes", "ein Satz; schritt X 0.1: wie weit X beim Tippen fährt"),
+    ),
     Verb("single", ("single", "b"), ("einzelsatz",), ("single block on or off", "Einzelsatz ein oder aus")),
     Verb("reset", ("reset",), ("abbruch",), ("reset yes: aborts, drops the spooler", "abbruch ja: Spooler leer")),
     Verb("override", ("override", "ovr"), ("korrektur",), ("override 80: feed override in %", "korrektur 80: in %")),
@@ -53,6 +58,33 @@ VERBS: tuple[Verb, ...] = (
         ),
     ),
     Verb("yes", ("yes", "y"), ("ja",), ("to what was just asked", "zu dem, was eben gefragt wurde")),
+    Verb(
+        "jog",
+        ("jog",),
+        ("tippe", "tippen"),
+        ("jog X +, jog X -: one step of X", "tippe X +, tippe X -: ein Schritt von X"),
+    ),
+    Verb(
+        "home",
+        ("home",),
+        ("referenz",),
+        ("home X, home all: home search, asks first", "referenz X, referenz alle: Referenzfahrt, fragt zuerst"),
+    ),
+    Verb(
+        "zero",
+        ("zero",),
+        ("nullpunkt", "null"),
+        ("zero X: work zero G54 here, asks first", "nullpunkt X: G54 hierher, fragt"),
+    ),
+    Verb(
+        "mdi",
+        ("mdi",),
+        ("mdi",),
+        (
+            "mdi G1 X10 F500: checks a block or rw_SymPas statement;, start executes it; start job: the job",
+            "mdi G1 X10 F500: prüft Satz oder rw_SymPas-Anweisung;, los führt aus; los auftrag: der Auftrag",
+        ),
+    ),
     Verb("alarms", ("alarms", "a"), ("störungen", "stoerungen"), ("open alarms", "offene Störungen")),
     Verb("acknowledge", ("acknowledge", "ack"), ("quittieren",), ("alarms whose cause is gone", "behobene Störungen")),
     Verb("report", ("report",), ("bericht",), ("verdict and worst blocks", "Urteil und größte Abweichungen")),
@@ -63,6 +95,12 @@ VERBS: tuple[Verb, ...] = (
     Verb("help", ("help", "?"), ("hilfe",), ("this list", "diese Liste")),
     Verb("quit", ("quit", "q", "exit"), ("ende",), ("ends; quit yes while a job runs", "beendet; ende ja im Lauf")),
 )
+
+#: Words behind a command.
+PARTS: dict[str, tuple[str, ...]] = {
+    "all": ("all", "alle"),
+    "job": ("job", "auftrag"),
+}
 
 
 @cache
@@ -85,3 +123,8 @@ def way(id: str, language: str) -> str:
     """What help says of a command."""
     verb = next(verb for verb in VERBS if verb.id == id)
     return f"{', '.join(verb.german if language == 'de' else verb.english)}: {verb.help[language == 'de']}"
+
+
+def part_of(text: str) -> str | None:
+    """What a word behind a command means."""
+    return next((id for id, words in PARTS.items() if text.lower() in words), None)

@@ -62,3 +62,72 @@ def test_a_real_program_starts_at_a_block() -> None:
     text = "\n".join(talk("blocks 12\nsearch 11\nyes\nstart\nwait\nposition\nquit\n", FAULTS / "contour.nc"))
     assert "L13: G0 Z5" in text and "start at line 11" in text and "Starts at L11" in text
     assert "REPORT contour.nc: PASS" in text and "L5: max" not in text, "the blocks before are not run"
+
+
+@pytest.mark.parametrize(
+    ("lines", "calls", "part"),
+    [
+        (("jog X +",), ["jog X 0.1"], "X jogs +0.1 mm"),
+        (("jog y-",), ["jog Y -0.1"], "Y jogs -0.1 mm"),
+        (("step X 2.5", "jog X -"), ["jog X -2.5"], "X: jog step 2.5 mm"),
+        (("step X 2.5", "jog Y -"), ["jog Y -0.1"], "Y jogs -0.1 mm"),
+        (("step X 100", "jog X -"), ["jog X -0.1"], "100: no step from 0.001 to 10."),
+        (("step X -1", "jog X -"), ["jog X -0.1"], "-1: no step"),
+        (("step X",), [], "?: no step"),
+        (("jog X + ", "jog X +"), ["jog X 0.1"], "Dropped: a step is under way"),
+        (("jog Q +",), [], "The machine has no axis Q."),
+        (("jog X 5",), [], "Type: jog: jog X +"),
+        (("home X",), [], "Home in this order: X left onto the switch"),
+        (("home x", "yes"), ["home X"], "Type: yes"),
+        (("home all", "yes"), ["home Z X Y"], "order: Z right to the next index, X left onto the switch, Y"),
+        (("home",), [], "Type: home: home X, home all"),
+        (("zero X",), [], "Work zero G54 of X here, at +49.9212 (was +0.0000)?"),
+        (("zero X", "yes"), ["zero X"], "Type: yes"),
+        (("zero X", "jog Y +", "yes"), ["jog Y 0.1"], "Nothing was asked."),
+        (("zero", "zero Q"), [], "The machine has no axis Q."),
+        (("step",), ["step"], ""),
+    ],
+)
+def test_by_hand(lines: tuple[str, ...], calls: list[str], part: str) -> None:
+    text, asked = said(*lines, engine=loaded())
+    assert part in text and asked == calls, text
+
+
+@pytest.mark.parametrize("line", ["jog X +", "home X", "home all", "zero X", "mdi G1 X1", "tippe X -", "referenz alle"])
+def test_by_hand_is_refused_under_way_as_on_the_screen(line: str) -> None:
+    text, asked = said(line, "yes", engine=loaded(), state=State.RUNNING)
+    assert "Refused: a job is under way; ^X Enter ends it." in text and not asked
+
+
+def test_axes_moved_by_hand_tell_where_they_arrive() -> None:
+    text = "\n".join(talk("step X 2\njog X -\nwait\nzero X\nyes\nwait\nmdi G1 X1 F6000\nstart\nwait\nposition\nquit\n"))
+    assert "X: actual -2.0000 mm" in text and "X: G54 zero -2.0000, program coordinate +0.0000" in text
+    assert "G1 X1 F6000: done" in text and "X: actual -1.0000 mm" in text
+    lines = "mdi G0 X-595\nlos\nwarte\nschritt X 10\n" + "tippe X -\nwarte\n" * 2 + "ende\n"
+    text = "\n".join(talk(lines, language="de"))
+    assert text.count("der Schritt ginge über den Software-Endschalter") == 2 and text.count("X: Ist -595.0000") == 2
+
+
+@pytest.mark.parametrize(
+    ("lines", "calls", "part"),
+    [
+        (("mdi G1 X10 F500",), ["check G1 X10 F500"], "G1 X10 F500: checked"),
+        (("mdi G1 X10", "start"), ["check G1 X10", "mdi G1 X10"], "checked"),
+        (("mdi G1 X10", "resume"), ["check G1 X10", "mdi G1 X10"], "checked"),
+        (("mdi G1 X10", "mdi Q", "start"), ["check G1 X10", "check Q"], "No block is checked."),
+        (("mdi Q",), ["check Q"], "GC214: address Q is not used"),
+        (("mdi G1 X10", "start job"), ["check G1 X10", "start"], "checked"),
+        (("mdi G1 X10", "search 0", "los"), ["check G1 X10", "start at ", "start"], "checked"),
+        (("mdi",), [], "Type: mdi: mdi G1 X10 F500"),
+    ],
+)
+def test_mdi_executes_what_was_checked_and_never_the_job(lines: tuple[str, ...], calls: list[str], part: str) -> None:
+    text, asked = said(*lines, engine=loaded())
+    assert part in text and [call for call in asked if call != "hold"] == calls, text
+
+
+def test_mdi_on_the_real_engine() -> None:
+    lines = "mdi writeln(6*7);\nstart\nwait\nstart\nmdi G1 X3 F9\nmdi G1 Q3\nstart\nload {}\nstart\nwait\nquit\n"
+    text = "\n".join(talk(lines.format(FAULTS / "contour.nc")))
+    assert "> 42" in text and "writeln(6*7);: done" in text and "MDI:1:4: GC326" in text
+    assert text.count("No block is checked.") == 2 and "REPORT contour.nc: PASS" in text

@@ -141,18 +141,11 @@ class ManualPage(Page):
             self._ask_home(sorted(self._axes(), key=lambda axis: axis.home_place))
 
     def _ask_home(self, axes: Sequence[AxisValues]) -> None:
-        words = self.app.words
-        without = [axis.name for axis in axes if not axis.homing]
-        axes = [axis for axis in axes if axis.homing]
-        if not axes:
-            self.app.say(words("home_none", axes=", ".join(without)))
-            return
-        ways = ", ".join(f"{axis.name} {home_way(axis, words)}" for axis in axes)
-        names = [axis.name for axis in axes]
-        title = words("home_ask", ways=ways)
-        if without:
-            title += "\n" + words("home_none", axes=", ".join(without))
-        self.app.ask(title, words("home_keys"), lambda _: self._home(names), field=False)
+        names, title = home_question(axes, self.app.words)
+        if names:
+            self.app.ask(title, self.app.words("home_keys"), lambda _: self._home(names), field=False)
+        else:
+            self.app.say(title)
 
     def _home(self, names: Sequence[str]) -> None:
         self.is_on = False
@@ -271,6 +264,16 @@ def home_way(axis: AxisValues, words: Words, form: str = "home") -> str:
     """How an axis finds its reference: to which side, onto what."""
     to, back = ("left", "right") if axis.home_side == "left" else ("right", "left")
     return words(f"{form}_{axis.homing.replace('+', '_')}", to=words(f"home_{to}"), back=words(f"home_{back}"))
+
+
+def home_question(axes: Sequence[AxisValues], words: Words) -> tuple[list[str], str]:
+    """Which of these axes can be homed, in this order, and what is asked before, or why it cannot be done."""
+    able = [axis for axis in axes if axis.homing]
+    without = ", ".join(axis.name for axis in axes if not axis.homing)
+    ways = ", ".join(f"{axis.name} {home_way(axis, words)}" for axis in able)
+    texts = [words("home_ask", ways=ways)] if able else []
+    texts += [words("home_none", axes=without)] if without else []
+    return [axis.name for axis in able], "\n".join(texts)
 
 
 def home_rows(shown: Shown) -> list[Row]:

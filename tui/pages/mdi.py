@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from textual.strip import Strip
 
 from cnc_front.diagnostics import Diagnostic
-from cnc_front.engine import Mode, State, Stop
+from cnc_front.engine import Mode, Snapshot, State, Stop
 from cnc_front.errors import CompileError, UsageError
 from cnc_front.german import localized
 from tui.pages.base import Page
@@ -19,6 +19,7 @@ from tui.rows import Row
 from tui.states import FACES, STARTABLE, UNDERWAY
 from tui.values import Shown
 from tui.widgets import PathField
+from tui.words import Words
 
 if TYPE_CHECKING:
     from tui.app import Terminal
@@ -36,6 +37,12 @@ class Entry:
     state: State | None = None  # None: not over yet
     stop: Stop = Stop.NONE  # what ended it, if it did not end by itself
     seconds: float = 0.0
+
+    def watch(self, s: Snapshot) -> None:
+        """Takes over how it ends."""
+        is_over = s.mode is Mode.MDI and s.state not in UNDERWAY
+        if self.state is None and is_over and s.mdi != self.text:
+            self.state, self.stop, self.seconds = s.state, s.stop, s.machine_time_s
 
 
 class MdiPage(Page):
@@ -68,11 +75,8 @@ class MdiPage(Page):
 
     def _watch(self, shown: Shown) -> None:
         """How the newest block ends."""
-        s = shown.snapshot
-        last = self.entries[-1] if self.entries else None
-        is_over = s.mode is Mode.MDI and s.state not in UNDERWAY
-        if last is not None and last.state is None and is_over and s.mdi != last.text:
-            last.state, last.stop, last.seconds = s.state, s.stop, s.machine_time_s
+        if self.entries:
+            self.entries[-1].watch(shown.snapshot)
 
     def enter(self) -> None:
         """The field has the focus."""
@@ -155,16 +159,22 @@ def finding_rows(shown: Shown, text: str, findings: tuple[Diagnostic, ...], widt
 
 
 def _entry_row(shown: Shown, entry: Entry) -> Row:
-    look, words = shown.look, shown.words
+    look = shown.look
     row = Row(shown.value).add(f"   {entry.clock}  ", look.dim).add(entry.text[:40]).at(54, "")
+    return row.add(entry_end(entry, shown.words), look.warn if _was_stopped(entry) else None)
+
+
+def _was_stopped(entry: Entry) -> bool:
+    return entry.state in (State.NO_JOB, *STARTABLE) and entry.stop is not Stop.NONE
+
+
+def entry_end(entry: Entry, words: Words) -> str:
+    """How a block has ended; empty while it has not."""
     if entry.state is None:
-        return row
-    if entry.state in (State.NO_JOB, *STARTABLE) and entry.stop is not Stop.NONE:
-        return row.add(words(f"mdi_{entry.stop.name.lower()}"), look.warn)
+        return ""
+    if _was_stopped(entry):
+        return words(f"mdi_{entry.stop.name.lower()}")
     word = FACES[entry.state]
-    done = (
-        words("mdi_done")
-        if entry.state in (State.DONE, State.READY, State.NO_JOB)
-        else words.pick(word.english, word.german)
-    )
-    return row.add(done).add(f"  {entry.seconds:.1f} s" if entry.seconds else "")
+    is_done = entry.state in (State.DONE, State.READY, State.NO_JOB)
+    done = words("mdi_done") if is_done else words.pick(word.english, word.german)
+    return done + (f"  {entry.seconds:.1f} s" if entry.seconds else "")
