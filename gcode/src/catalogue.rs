@@ -43,7 +43,7 @@ catalogue! {
     GC113 "file is empty or holds no block" "choose a part program";
     GC114 "file changed during translation" "load it again";
 
-    GC201 "unknown word '{text}'" "an address is one letter followed by a value";
+    GC201 "unknown word '{text}'" "an address is one letter followed by a value (zero is 0, not O)";
     GC202 "address {a} has no value" "write a number after the address";
     GC203 "number without address" "write an address letter before the number";
     GC204 "malformed number '{text}'" "write one sign at most and one decimal point at most";
@@ -57,7 +57,7 @@ catalogue! {
     GC212 "O is only allowed first in the block or together with an L call" "move O to the start, or call with L";
     GC213 "',{a}' (chamfer, rounding) is not supported" "write the chamfer or rounding as G01, G02 or G03";
     GC214 "E is not enabled" "delete the word";
-    GC215 "R-parameters (R{n}=) are not supported, use #{n}" "use # variables";
+    GC215 "R-parameters (R{n}) are not supported, use #{n}" "use # variables";
     GC216 "value {v} of {a} outside {lo}..{hi}" "correct the value";
     GC217 "G code {v} has more than one decimal place" "correct the G code";
     GC218 "block delete level must be 1..9" "write '/' or '/1' to '/9'";
@@ -128,8 +128,8 @@ catalogue! {
     GC507 "dwell without time" "add P or X";
     GC508 "more than one dwell time" "keep one of P, X, U, F";
     GC509 "tool or length offset {v} is not in the table" "add the tool to the machine file";
-    GC510 "M{v} is not supported" "delete it";
-    GC511 "M66: only P with L0 or L3" "use L0 or L3";
+    GC510 "M{v} is not supported" "delete it, or assign it in the machine file; instead of M97 use M98 and an O subprogram";
+    GC511 "M66: only P with L0 or L3" "use L0 or L3, without Q";
     GC512 "dwell longer than 86400 s" "correct the time; P is in the unit of dwell.pUnit";
     GC513 "M{v} has no assignment" "assign it in the machine file";
     GC514 "output or input number {v} outside 0..31" "correct P";
@@ -145,7 +145,7 @@ catalogue! {
     GC607 "{begin} without {end}" "add the end";
     GC608 "jump into a loop" "jump to a block outside the loop";
     GC609 "statement must be alone in the block" "write two blocks";
-    GC610 "malformed statement, {expected} expected" "IF [condition] GOTO n, WHILE [condition] DOm";
+    GC610 "malformed statement, {expected} expected" "IF [condition] GOTO n, WHILE [condition] DOm, o100 sub (docs/dialect.md, section 15.3)";
     GC611 "O-word control flow is not enabled" "choose the linuxcnc profile";
     GC612 "M98 or G65 without P" "add P with the program number";
     GC613 "subprogram {name} defined twice (line {l})" "rename one of them";

@@ -66,6 +66,14 @@ impl Default for Limits {
     }
 }
 
+/// D without G41 or G42 (section 22): Fanuc keeps it, LinuxCNC refuses it, elsewhere it must agree with the tool.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoneD {
+    Modal,
+    Refused,
+    OfTool,
+}
+
 /// The settled dialect of one compilation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dialect {
@@ -91,6 +99,8 @@ pub struct Dialect {
     pub d_is_radius: bool,
     /// M29 announces rigid tapping and ends no subprogram.
     pub rigid_m29: bool,
+    /// What D without G41 or G42 means.
+    pub lone_d: LoneD,
     /// Cycles are a group beside the motions: G80 brings back the motion from before.
     pub cycles_apart: bool,
     /// M02, M30 in a subprogram are errors.
@@ -144,6 +154,11 @@ impl Dialect {
             strict_m: own.strict_m.unwrap_or(false),
             d_is_radius: own.d_is_radius.unwrap_or(false),
             rigid_m29: profile == Profile::Fanuc,
+            lone_d: match profile {
+                Profile::Fanuc => LoneD::Modal,
+                Profile::Linuxcnc => LoneD::Refused,
+                _ => LoneD::OfTool,
+            },
             cycles_apart: profile == Profile::Fanuc,
             strict_end: own.strict_end.unwrap_or(false),
             m6_needs_t: own.m6_needs_t.unwrap_or(false),

@@ -157,6 +157,7 @@ impl<'a, 'e> Reader<'a, 'e> {
         let span = Span::new(at, at + word.len());
         let text = String::from_utf8_lossy(word).into_owned();
         self.pos += word.len();
+        self.foreign_name(at, &text)?;
         self.blanks();
         if self.peek() == b'[' {
             let upper = text.to_ascii_uppercase();
@@ -169,6 +170,28 @@ impl<'a, 'e> Reader<'a, 'e> {
             return Err(Fault::with(Id::GC716, span, &[&text, &1]));
         }
         self.read(&Variable::Name(short(&text)), span)
+    }
+    /// Names that other dialects have here: `R1`, `VC1`, `IC(10)`; a single letter is an address.
+    #[inline]
+    fn foreign_name(&self, at: usize, text: &str) -> Check<()> {
+        let digits = self.text[self.pos..].iter().take_while(|b| b.is_ascii_digit()).count();
+        let shown = String::from_utf8_lossy(&self.text[at..self.pos + digits]).into_owned();
+        let span = Span::new(at, self.pos + digits);
+        if digits > 0 && text.eq_ignore_ascii_case("R") {
+            let number = &shown[1..];
+            return Err(Fault::with(Id::GC215, span, &[&number, &number]));
+        }
+        if text.len() < 2 {
+            return Err(Fault::new(Id::GC714, span));
+        }
+        if digits > 0 {
+            return Err(Fault::with(Id::GC219, span, &[&shown]));
+        }
+        let unset = || self.env.variables.get(&Variable::Name(short(text))).is_none();
+        if self.peek() == b'(' && !FUNCTIONS.iter().any(|f| f.0.eq_ignore_ascii_case(text)) && unset() {
+            return Err(Fault::with(Id::GC715, span, &[&shown]));
+        }
+        Ok(())
     }
     fn function(&mut self, name: &str, (least, most): (usize, usize), span: Span) -> Check<f64> {
         let mut arguments = vec![];

@@ -6,7 +6,7 @@ use motion_kernel::axes::AxisSet;
 use crate::block::{AXIS_LETTERS, Block, GWord, bit, mask};
 use crate::codes::{Group, number};
 use crate::diagnostics::{Check, Fault, Id, Span};
-use crate::dialect::Dialect;
+use crate::dialect::{Dialect, LoneD};
 use crate::outputs::Outputs;
 use crate::translate::{Call, Flow, Translator};
 use crate::variables::Variable;
@@ -80,7 +80,7 @@ impl Translator<'_> {
 
     /// Steps 6 to 9: T, M06, gear, spindle start, coolant on, clamps.
     pub(crate) fn tool_and_outputs_before(&mut self, block: &Block) -> Check<()> {
-        self.used |= mask("TD");
+        self.used |= bit(b'T');
         if let Some(word) = block.word(b'T') {
             let number = word.value as u32;
             self.select_tool(number);
@@ -115,6 +115,9 @@ impl Translator<'_> {
         self.state.modal.tool = if split { number / 100 } else { number };
         self.state.modal.tool_offset = split.then_some(number % 100);
         self.state.modal.tool_named = true;
+        if split {
+            self.state.modal.d = None;
+        }
     }
     fn tool_change(&mut self, span: Span) -> Check<()> {
         if self.dialect.m6_needs_t && !std::mem::take(&mut self.state.modal.tool_named) {
@@ -122,6 +125,9 @@ impl Translator<'_> {
         }
         let tool = self.state.modal.tool;
         self.state.modal.in_spindle = tool;
+        if self.dialect.lone_d != LoneD::Modal {
+            self.state.modal.d = None;
+        }
         self.facts.tool_changed(tool);
         if tool != 0 && self.tool(tool).is_none() {
             self.faults.push(Fault::with(Id::GW935, span, &[&tool]));
@@ -149,6 +155,9 @@ impl Translator<'_> {
             48 | 49 => {
                 modal.override_on = m == 48;
                 self.sink.event(self.line, &format!("M{m}"), "");
+            }
+            97 if block.has(b'P') && !self.is_user_function(m) => {
+                return Err(Fault::with(Id::GC510, span, &[&m])); // Haas: a call within the program
             }
             15 | 16 | 31 if !self.is_user_function(m) => return Err(Fault::with(Id::GC510, span, &[&m])),
             62..=65 => self.output(block, m, span, outputs)?,
@@ -195,7 +204,8 @@ impl Translator<'_> {
         let mode = block.integer(b'L').unwrap_or(0);
         self.used |= bit(b'L');
         if block.has(b'Q') || !matches!(mode, 0 | 3) {
-            return Err(Fault::new(Id::GC511, span));
+            let word = block.word(b'Q').or(block.word(b'L'));
+            return Err(Fault::new(Id::GC511, word.map_or(span, |w| w.span)));
         }
         let input = self.line_number(block, 66, span)?;
         if mode == 3 {

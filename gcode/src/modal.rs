@@ -134,6 +134,8 @@ pub struct Modal {
     pub in_spindle: u32,
     /// Correction number of the lathe's T word, for G41 to G44 without D or H.
     pub tool_offset: Option<u32>,
+    /// The last D word; where it is no modal word, only until the next tool.
+    pub d: Option<u32>,
     /// A T word since the last M06.
     pub tool_named: bool,
     /// X words are diameters.
@@ -169,6 +171,7 @@ impl Modal {
             tool: 0,
             in_spindle: 0,
             tool_offset: None,
+            d: None,
             tool_named: false,
             diameter: dialect.diameter,
             lead: None,

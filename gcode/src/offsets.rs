@@ -83,6 +83,9 @@ impl Translator<'_> {
     }
     fn named(&mut self, block: &Block, g: &GWord) -> Check<Vec<(usize, u8, f64)>> {
         let words = self.words(block)?;
+        if let Some(word) = block.word(b'E').filter(|_| words.is_empty()) {
+            return Err(Fault::with(Id::GC214, word.span, &[&'E'])); // the extruder of a printer
+        }
         if words.is_empty() {
             return Err(Fault::with(Id::GC327, g.span, &[&format!("G{}", number(g.code.tenths))]));
         }

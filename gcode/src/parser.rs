@@ -14,12 +14,12 @@ const MAX_M: usize = 8;
 
 /// Reads a line into `block`. What can be passed over is added to `faults`; an `Err` ends the reading of the line.
 pub fn parse(text: &[u8], env: &Environment, dialect: &Dialect, block: &mut Block, faults: &mut Vec<Fault>) {
-    let mut parser = Parser { r: Reader::new(text, env), dialect, block, faults, headed: false };
+    let mut parser = Parser { r: Reader::new(text, env), dialect, block, faults, headed: false, resumed: false };
     let result = parser.line();
-    let Parser { r, block, faults, .. } = parser;
+    let Parser { r, block, faults, resumed, .. } = parser;
     block.assignments.extend(r.assigned);
     faults.extend(r.warnings);
-    block.cut = result.is_err();
+    block.cut = resumed || result.is_err();
     faults.extend(result.err());
 }
 
@@ -30,6 +30,8 @@ pub(crate) struct Parser<'a, 'e, 'b> {
     pub faults: &'b mut Vec<Fault>,
     /// The head of the block (`/`, N, O) is behind.
     headed: bool,
+    /// A word that could not be read was passed over.
+    resumed: bool,
 }
 
 impl Parser<'_, '_, '_> {
@@ -50,7 +52,10 @@ impl Parser<'_, '_, '_> {
                     return Ok(());
                 }
                 b'#' => self.hash_assignment()?,
-                _ => return Err(self.stray(at)),
+                _ => {
+                    let fault = self.stray(at);
+                    self.resume(at, fault)?;
+                }
             }
         }
     }
@@ -135,7 +140,10 @@ impl Parser<'_, '_, '_> {
             return self.call_name(at);
         }
         let found = self.faults.len();
-        let word = self.value(at, letter)?;
+        let word = match self.value(at, letter) {
+            Ok(word) => word,
+            Err(fault) => return self.resume(at + 1, fault),
+        };
         if self.faults.len() > found && self.faults[found..].iter().any(|f| !f.id.is_warning()) {
             return Ok(());
         }
@@ -145,6 +153,22 @@ impl Parser<'_, '_, '_> {
             b'M' => self.put_m(word),
             _ => self.put(letter, word),
         }
+        Ok(())
+    }
+
+    /// Behind a number that is wrong or missing the next word is clear, so that each mistake of a line is told at once.
+    #[cold]
+    fn resume(&mut self, from: usize, fault: Fault) -> Check<()> {
+        let count = |from: usize, part: fn(&u8) -> bool| self.r.text[from..].iter().take_while(|b| part(b)).count();
+        let mut end = from + count(from, |b| matches!(b, b' ' | b'\t'));
+        end += count(end, |b| b.is_ascii_digit() || matches!(b, b'.' | b',' | b'+' | b'-'));
+        let next = self.r.at(end);
+        let clear = next == 0 || next.is_ascii_alphabetic() || matches!(next, b' ' | b'\t' | b'(' | b';');
+        if !clear || !(Id::GC202..=Id::GC206).contains(&fault.id) {
+            return Err(fault);
+        }
+        (self.r.pos, self.resumed) = (end, true);
+        self.faults.push(fault);
         Ok(())
     }
 
@@ -365,7 +389,11 @@ impl Parser<'_, '_, '_> {
             end += 1;
         }
         let text = String::from_utf8_lossy(word).into_owned();
-        self.faults.push(Fault::with(Id::GC201, Span::new(at, at + word.len()), &[&text]));
+        let fault = Fault::with(Id::GC201, Span::new(at, at + word.len()), &[&text]);
+        if word.len() > 2 && self.block.mask & !crate::block::bit(b'N') == 0 && self.block.g.is_empty() {
+            return Err(fault); // a statement of another dialect: what follows belongs to it
+        }
+        self.faults.push(fault);
         self.r.pos = end;
         self.grow(at);
         Ok(())

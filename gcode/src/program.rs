@@ -147,6 +147,7 @@ pub(crate) struct Run<'t, 'm, 's> {
 pub(crate) struct Told {
     after_tape: bool,
     pub oword: bool,
+    pub star: bool,
     pub increments: bool,
 }
 

@@ -24,7 +24,7 @@ impl Run<'_, '_, '_> {
         let faults = std::mem::take(&mut self.faults);
         let bad = faults.iter().any(|f| !f.id.is_warning());
         for fault in &faults {
-            if fault.id == Id::GC611 && std::mem::replace(&mut self.told.oword, true) || self.follows(fault) {
+            if self.told_before(fault, text) || self.follows(fault) {
                 continue;
             }
             self.report(line, text, fault);
@@ -39,6 +39,12 @@ impl Run<'_, '_, '_> {
             }
         }
         bad
+    }
+    /// What concerns the dialect as a whole is told once: O-words, `*` at the end of each block.
+    fn told_before(&mut self, fault: &Fault, text: &[u8]) -> bool {
+        let star = fault.id == Id::GC107 && text.get(fault.span.start as usize) == Some(&b'*');
+        fault.id == Id::GC611 && std::mem::replace(&mut self.told.oword, true)
+            || star && std::mem::replace(&mut self.told.star, true)
     }
     pub(crate) fn report(&mut self, line: u32, text: &[u8], fault: &Fault) {
         let (file_index, file) = self.flows.file();

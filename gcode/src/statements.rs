@@ -241,6 +241,7 @@ fn string(p: &mut Parser) -> Check<Item> {
 pub(crate) fn program_or_o_word(p: &mut Parser) -> Check<()> {
     let at = p.r.pos;
     let Some((label, word, end)) = o_word(p.r.text, at) else {
+        no_o_word(p, at)?;
         p.r.pos = at + 1;
         p.r.blanks();
         let value = p.value(at, b'O')?;
@@ -261,6 +262,24 @@ pub(crate) fn program_or_o_word(p: &mut Parser) -> Check<()> {
     alone(p, span)?;
     set_statement(p, Statement::OWord { label, word, arguments, span }, at);
     Ok(())
+}
+
+/// `o<name>` is always an O-word, `o100` one if a word of letters follows: GC610 if it is not known.
+fn no_o_word(p: &Parser, at: usize) -> Check<()> {
+    let named = p.r.at(at + 1) == b'<';
+    let part: fn(&u8) -> bool = if named { |b| *b != b'>' } else { u8::is_ascii_digit };
+    let label = at + 1 + p.r.text[at + 1..].iter().take_while(|b| part(b)).count() + usize::from(named);
+    let end = label.min(p.r.text.len());
+    let start = end + p.r.text[end..].iter().take_while(|b| matches!(b, b' ' | b'\t')).count();
+    let length = p.r.text[start..].iter().take_while(|b| b.is_ascii_alphabetic()).count();
+    if !named && (length < 2 || end == at + 1 || !p.dialect.oword) {
+        return Ok(());
+    }
+    if !p.dialect.oword {
+        return Err(Fault::new(Id::GC611, Span::new(at, end)));
+    }
+    let span = if length > 0 { Span::new(start, start + length) } else { Span::new(at, end) };
+    Err(Fault::with(Id::GC610, span, &[&"O-word (sub, call, if, while ..)"]))
 }
 
 /// Label, meaning and end of an O-word at a position, if one stands there.

@@ -59,10 +59,11 @@ impl Parser<'_, '_, '_> {
             }
             b']' => Fault::new(Id::GC713, span),
             b'"' => Fault::new(Id::GC719, span),
-            b'$' => foreign("Okuma or Sinumerik variable"),
+            b'$' => foreign("Okuma or Sinumerik variable, grbl command, LinuxCNC spindle"),
             b'@' => foreign("Sinumerik command"),
             b'{' | b'}' => foreign("TwinCAT or Heidenhain"),
             b'!' | b'?' | b'&' | b'~' | b'\\' | b'`' | b'\'' => foreign("reserved"),
+            b'*' if self.r.text[at + 1..].trim_ascii().is_empty() => foreign("Heidenhain end of block"),
             b'%' | b'*' | b',' | b'=' | b':' | b'[' | b'<' | b'>' => self.unexpected(at, span),
             0..=0x1F => Fault::with(Id::GC103, span, &[&format!("{byte:02X}")]),
             _ => {

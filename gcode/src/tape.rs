@@ -17,8 +17,9 @@ impl Run<'_, '_, '_> {
         let span = Span::new(0, text.len());
         if !self.begun && !self.ended && !self.flows.starts_subprogram(name) {
             let foreign = [(&b"_N_"[..], "Sinumerik"), (b"MPF", "Sinumerik"), (b"PM", "Philips")];
-            if let Some((_, dialect)) = foreign.iter().find(|f| name.to_ascii_uppercase().starts_with(f.0)) {
-                self.report(line, text, &Fault::with(Id::GW903, span, &[dialect]));
+            let found = foreign.iter().find(|f| name.to_ascii_uppercase().starts_with(f.0)).map(|f| f.1);
+            if let Some(dialect) = found.or(name.ends_with(b"*").then_some("Heidenhain")) {
+                self.report(line, text, &Fault::with(Id::GW903, span, &[&dialect]));
             }
             self.mode = Mode::Run;
             return;

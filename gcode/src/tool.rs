@@ -3,21 +3,23 @@
 use crate::block::{Block, GWord, bit};
 use crate::codes::{Group, number};
 use crate::diagnostics::{Check, Fault, Id};
+use crate::dialect::LoneD;
 use crate::translate::Translator;
 
 impl Translator<'_> {
     /// G40, G41, G42: the tool radius is that of D, or of the tool in the spindle.
     pub(crate) fn radius_correction(&mut self, block: &Block) -> Check<()> {
-        let Some(g) = block.code_of(Group::RadiusCorrection) else { return Ok(()) };
+        let Some(g) = block.code_of(Group::RadiusCorrection) else { return self.lone_d(block) };
         if g.code.tenths != 400 && !self.dialect.radius_correction {
             return Err(Fault::with(Id::GC312, g.span, &[&number(g.code.tenths)]));
         }
         if g.code.tenths == 400 {
             self.state.modal.correction = 40;
+            self.note_d(block);
             return self.sink.stop_correction(g.span);
         }
-        self.used |= bit(b'D');
-        let tool = block.integer(b'D').unwrap_or(self.state.modal.tool_offset.unwrap_or(self.state.modal.in_spindle));
+        self.note_d(block);
+        let tool = self.correction_number(block, g)?;
         let found = self.tool(tool).map(|t| t.radius);
         let missing = || Fault::with(Id::GC509, block.word(b'D').map_or(g.span, |w| w.span), &[&tool]);
         let radius = match self.length(block, b'D') {
@@ -41,6 +43,36 @@ impl Translator<'_> {
         let programmed = slots.map(|s| self.state.machine[s]);
         self.sink.plane = slots;
         self.sink.start_correction(slots, if left { radius } else { -radius }, programmed, g.span)
+    }
+    /// D without G41 or G42 names the correction of the next one; while one acts it cannot change.
+    #[inline]
+    fn lone_d(&mut self, block: &Block) -> Check<()> {
+        let Some(word) = block.word(b'D') else { return Ok(()) };
+        let other = self.sink.is_correcting() && self.state.modal.d != block.integer(b'D');
+        if other || self.dialect.lone_d == LoneD::Refused || self.dialect.d_is_radius {
+            return Err(Fault::with(Id::GC326, word.span, &[&'D']));
+        }
+        self.note_d(block);
+        Ok(())
+    }
+    fn note_d(&mut self, block: &Block) {
+        self.used |= bit(b'D');
+        if self.dialect.lone_d != LoneD::Refused {
+            self.state.modal.d = block.integer(b'D').or(self.state.modal.d);
+        }
+    }
+    /// Number of D, of the last D, or of the tool. The last D is no modal word everywhere: two different radii are refused.
+    fn correction_number(&self, block: &Block, g: &GWord) -> Check<u32> {
+        let tool = self.state.modal.tool_offset.unwrap_or(self.state.modal.in_spindle);
+        let last = self.state.modal.d.filter(|_| !self.dialect.d_is_radius).unwrap_or(tool);
+        let radius = |number: u32| self.tool(number).filter(|_| number > 0).map_or(0.0, |t| t.radius);
+        if let Some(number) = block.integer(b'D') {
+            return Ok(number);
+        }
+        if self.dialect.lone_d == LoneD::Modal || radius(last) == radius(tool) {
+            return Ok(last);
+        }
+        Err(Fault::with(Id::GC310, g.span, &[&format!("G{}", number(g.code.tenths)), &'D']))
     }
     /// What would move the contour away from the tool is refused while a correction acts (GC419).
     pub(crate) fn check_correction(&self, block: &Block) -> Check<()> {
