@@ -199,9 +199,11 @@ impl Translator<'_> {
             self.sink.ssf(line, axes, command, value, false);
         }
         self.put_out(Outputs { set: left.set, reset: 0 });
-        let lint = std::mem::take(&mut self.lint); // the way there is ours, not the program's
+        // the way there is ours, not the program's: neither lint nor GW926
+        let (lint, slowed) = (std::mem::take(&mut self.lint), self.sink.slowed.len());
         let approached = self.approach().map_err(|_| "its start cannot be approached");
         self.lint = lint;
+        self.sink.slowed.truncate(slowed);
         approached
     }
     fn start(&self, line: u32) -> Start {

@@ -92,3 +92,14 @@ fn the_linter_leaves_good_programs_alone() {
     let smells: Vec<&str> = compiled.diagnostics.iter().map(|d| d.id).filter(|id| *id > "GW940").collect();
     assert_eq!(smells, [""; 0], "{:?}", compiled.diagnostics);
 }
+
+/// The way to the start is no block of the program: GW926 has nothing to name there, whichever way the text is read.
+#[test]
+fn the_way_to_the_start_is_no_slowed_block() {
+    let text = b"G21 G90 G17 F6000\nG1 X1 Z-0.0001\nX50\nM30\n";
+    let options = Options { from: Some(At::Line(3)), ..Options::default() };
+    let found = compile(text, "t.nc", &mill3(), &options).diagnostics;
+    let slowed: Vec<u32> = found.iter().filter(|d| d.id == "GW926").map(|d| d.line).collect();
+    assert!(slowed.is_empty(), "{found:?}");
+    common::same_once(text, &mill3(), &options, 43, 5);
+}
