@@ -110,6 +110,7 @@ class Terminal(MotionKeys):
         self._revision = self._told = 0
         self.pages: dict[str, Page] = {page.name: page(self) for page in PAGES}
         self.page = self.pages["run"]
+        self.operation.stopped = self.jobs.queue.held
         self._seen = (engine.snapshot(), time.monotonic())
         self._beat, self._pulse_s = time.monotonic(), REFRESH_S
         self.key_at = 0.0

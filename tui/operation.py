@@ -45,6 +45,8 @@ class Operation:
     def __init__(self, engine: Engine, words: Words, say: Say) -> None:
         self._engine, self._words, self._say = engine, words, say
         self.late_s = LATE_S
+        #: told of every hold and reset
+        self.stopped: Callable[[], None] = lambda: None
         self._armed_at = -ARMED_S
         self._override = (-1.0, 1.0)  # when, and what was asked for
         self._speed = (-1.0, 1.0)
@@ -70,6 +72,7 @@ class Operation:
     def hold(self) -> None:
         """Never asks, never refuses, is never late."""
         self._engine.hold()
+        self.stopped()
 
     def start(self, waited_s: float) -> None:
         """Cycle start from the top, or goes on; `waited_s`: age of the key."""
@@ -203,6 +206,7 @@ class Operation:
         if self.is_underway and not self._engine.snapshot().replay:
             self._say(self._words("reset_done"))
         self._engine.reset()
+        self.stopped()
         return True
 
     # ---- override and speed

@@ -144,8 +144,10 @@ TEXTS: dict[str, tuple[str, str]] = {
         "Auf/Ab wählen  Tab in den Namen  Enter öffnet  ^L Liste  ^N in die Folge  ^R fährt Folge",
     ),
     "queue_keys": (
-        "Up/Down choose  ^N takes out  ^R runs, or stops behind this job  ^T stop at failure  ^L list",
-        "Auf/Ab wählen  ^N nimmt heraus  ^R fährt, oder hält nach diesem  ^T Halt bei Fehler  ^L Liste",
+        "Up/Down choose  ^P ^D move up, down  ^N takes out  ^R runs, or stops behind this job  ^T stop at failure"
+        "  ^L list",
+        "Auf/Ab wählen  ^P ^D schieben auf, ab  ^N nimmt heraus  ^R fährt, oder hält nach diesem  ^T Halt bei Fehler"
+        "  ^L Liste",
     ),
     "list_files": ("files", "Dateien"),
     "list_recent": ("recent", "zuletzt"),
@@ -160,7 +162,16 @@ TEXTS: dict[str, tuple[str, str]] = {
     "queue_runs": ("RUNS", "LÄUFT"),
     "queue_stop_at": ("stops at failure", "hält bei Fehler"),
     "queue_stops": ("The queue ends behind this job.", "Die Folge endet nach diesem Auftrag."),
-    "queue_stopped": ("{name}: {verdict}. The queue has stopped.", "{name}: {verdict}. Die Folge hält."),
+    "queue_stands": ("The queue stands: {why}. ^R goes on with the next.", "Die Folge steht: {why}. ^R: weiter."),
+    "queue_move": ("^L shows the queue; there entries move.", "^L zeigt die Folge; dort bewegen sich Einträge."),
+    "queue_stood": ("STANDS", "STEHT"),
+    "queue_held": ("hold or reset before the next job", "Halt oder Reset vor dem nächsten Auftrag"),
+    "queue_by_alarm": ("alarm: cure, then ^X Enter", "Störung: beheben, dann ^X Enter"),
+    "queue_alarm": (
+        "The queue cannot start in an alarm: cure it, then ^X Enter, then ^R.",
+        "Die Folge startet nicht in einer Störung: beheben, dann ^X Enter, dann ^R.",
+    ),
+    "queue_not_ready": ("{name} is not ready to start", "{name} ist nicht startbereit"),
     "queue_done": ("Queue done: {good} of {all} good.", "Folge fertig: {good} von {all} gut."),
     "queue_waiting": ("waits", "wartet"),
     "queue_loading": ("loads", "lädt"),
@@ -411,6 +422,8 @@ GERMAN_KEYS = {
     "Up/Down": "Auf/Ab",
     "PgUp/PgDn": "Bild auf/ab",
     "Shift+arrows": "Umsch+Pfeile",
+    "^P Shift+Up": "^P Umsch+Auf",
+    "^D Shift+Down": "^D Umsch+Ab",
     "arrows PgUp/Dn": "Pfeile Bild",
 }
 

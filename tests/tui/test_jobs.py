@@ -62,7 +62,11 @@ def test_one_that_fails_does_not_stop_the_rest_unless_asked(tmp_path: Path) -> N
     queue.stops_at_failure = True
     run(queue, engine)
     assert [entry.verdict for entry in queue.entries] == ["PASS", "ERROR", "", ""]
-    assert "bad.nc: ERROR" in said[-1]
+    assert "The queue stands: bad.nc: ERROR. ^R goes on" in said[-1] and queue.why == "bad.nc: ERROR"
+    run(queue, engine)
+    assert [entry.verdict for entry in queue.entries] == ["PASS", "ERROR", "FAIL", ""], "goes on behind it"
+    run(queue, engine)
+    assert [entry.verdict for entry in queue.entries] == ["PASS", "ERROR", "FAIL", "PASS"] and not queue.why
     engine.close()
 
 
@@ -85,8 +89,117 @@ def test_a_reset_ends_the_queue(tmp_path: Path) -> None:
         queue.watch(engine.snapshot(), engine.outcome())
         time.sleep(0.01)
     assert [(entry.verdict, entry.state) for entry in queue.entries] == [("ABORT", "done"), ("", "waiting")]
-    assert engine.snapshot().state is State.ABORTED
+    assert engine.snapshot().state is State.ABORTED and queue.why == "slow.nc: ABORT"
+    slow.write_text(GOOD)
+    engine.set_speed(0)
+    run(queue, engine)
+    assert [entry.verdict for entry in queue.entries] == ["ABORT", "PASS"], "what was reset is not run again by itself"
     engine.close()
+
+
+def test_a_job_without_motion_has_its_verdict(tmp_path: Path) -> None:
+    (tmp_path / "still.nc").write_text("N10 M30\n")
+    engine = SimEngine(speed=0)
+    queue = JobQueue(engine, Words("en"), lambda _: None)
+    queue.add(str(tmp_path / "still.nc"))
+    run(queue, engine)
+    assert queue.entries[0].verdict and queue.entries[0].state == "done"
+    engine.close()
+
+
+def test_an_alarm_makes_the_queue_stand(tmp_path: Path) -> None:
+    """Whatever ^T says; while the alarm stands nothing starts."""
+    engine, said = FakeEngine(), list[str]()
+    queue = JobQueue(engine, Words("en"), said.append)
+    queue.add("a.nc")
+    queue.add("b.nc")
+    queue.start()
+    deadline = time.monotonic() + 10
+    while queue.is_active:
+        assert time.monotonic() < deadline
+        if engine.calls[-1:] == ["start"]:
+            engine.ended = ended()
+            engine.show(state=State.ALARM)
+        queue.watch(engine.snapshot(), engine.outcome())
+        time.sleep(0.001)
+    assert "alarm: cure" in queue.why and queue.entries[1].state == "waiting"
+    queue.start()
+    assert not queue.is_active and "cannot start in an alarm" in said[-1]
+    engine.show(state=State.ABORTED)
+    queue.start()
+    assert queue.is_active and not queue.why
+
+
+def test_what_never_gets_ready_does_not_block_the_queue(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Deaf(FakeEngine):
+        def load(self, path: str, wanted: Callable[[], bool] = lambda: True) -> Job:
+            job = super().load(path)
+            self.show(state=State.ABORTED)
+            return job
+
+    monkeypatch.setattr("tui.job_queue.READY_S", 0.05)
+    engine = Deaf()
+    queue = JobQueue(engine, Words("en"), lambda _: None)
+    queue.add("a.nc")
+    run(queue, engine, 10)
+    assert "a.nc is not ready" in queue.why and queue.entries[0].state == "waiting" and "start" not in engine.calls
+
+
+@pytest.mark.parametrize("keys", [["space"], ["escape"], ["ctrl+x", "enter"]])
+def test_hold_and_reset_between_two_jobs_start_nothing(keys: list[str]) -> None:
+    go = threading.Event()
+
+    class Slow(FakeEngine):
+        def load(self, path: str, wanted: Callable[[], bool] = lambda: True) -> Job:
+            assert path != "a.nc" or go.wait(10)
+            return super().load(path)
+
+    async def script(stage: Stage) -> None:
+        await stage.load()
+        queue = stage.app.jobs.queue
+        queue.add("a.nc")
+        await stage.press("f2", "ctrl+r", "f3")
+        await stage.press(*keys)
+        go.set()
+        await stage.until(lambda: queue._current is None)
+        assert queue.entries[0].state == "waiting" and "start" not in stage.engine.calls
+        await stage.press("f2", "ctrl+l", "ctrl+l")
+        text = await stage.frame()
+        assert "STANDS: hold or reset before the next job" in text
+        await stage.press("ctrl+r")
+        await stage.until(lambda: "start" in stage.engine.calls)
+        assert "STANDS" not in await stage.frame()
+
+    play(script, Slow())
+
+
+@pytest.mark.parametrize("size", [WIDE, NARROW])
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_entries_move_and_are_dropped(size: tuple[int, int], language: str) -> None:
+    async def script(stage: Stage) -> None:
+        queue = stage.app.jobs.queue
+
+        def names() -> str:
+            return "".join(entry.path for entry in queue.entries)
+
+        for name in "abc":
+            queue.add(name)
+        await stage.press("f2", "ctrl+p")
+        assert "^L" in stage.message and names() == "abc", "it says where entries move"
+        await stage.press("ctrl+l", "ctrl+l", "ctrl+p")
+        assert names() == "abc", "the first stays the first"
+        await stage.press("ctrl+d", "shift+down", "ctrl+d")
+        assert names() == "bca", "the cursor goes with the entry, to the end"
+        await stage.press("shift+up")
+        assert names() == "bac"
+        await stage.press("ctrl+n")
+        assert names() == "bc"
+        failed = queue.entries[0]
+        failed.state, failed.verdict, failed.detail = "done", "FAIL", "max 61.2 um @L9, 3.1 s"
+        queue.why = "b: FAIL"
+        same_frame(f"queue-{'wide' if size is WIDE else 'narrow'}-{language}", await stage.frame())
+
+    play(script, size=size, language=language)
 
 
 def test_keys_of_the_queue(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -121,6 +121,20 @@ class JobsPage(Page):
             self.queue.add(path)
             self.app.say(self.app.words("queued", name=Path(path).name, n=len(self.queue.entries)))
 
+    def key_earlier(self) -> None:
+        """Moves the chosen job of the queue up."""
+        self._move(-1)
+
+    def key_later(self) -> None:
+        """Moves it down."""
+        self._move(1)
+
+    def _move(self, by: int) -> None:
+        if self.list == "queue":
+            self._cursor = self.queue.move(self._cursor, by)
+        else:
+            self.app.say(self.app.words("queue_move"))
+
     def key_run_queue(self) -> None:
         """Starts the queue, or makes the present job its last one."""
         if self.queue.is_active:
@@ -192,6 +206,8 @@ def list_head(view: View, name: str, queue: JobQueue) -> Row:
         row.add(f"[{title}]" if each == name else f" {title} ", look.strong if each == name else look.dim)
     if queue.is_active:
         row.add(f"  {words('queue_runs')}", look.inverse)
+    elif queue.why:
+        row.add(f"  {words('queue_stood')}: {queue.why}", look.bad)
     if queue.stops_at_failure:
         row.add(f"  {words('queue_stop_at')}", look.warn)
     return row
