@@ -136,9 +136,10 @@ class Operation:
         else:
             self._engine.set_zero(axis)
 
-    def force(self, number: int) -> None:
-        """Forces an input to what it is not."""
-        on = not self._engine.snapshot().inputs >> (number - 1) & 1
+    def force(self, number: int, on: bool | None = None) -> None:
+        """Forces an input on or off; to what it is not, where that is not said."""
+        if on is None:
+            on = not self._engine.snapshot().inputs >> (number - 1) & 1
         self._engine.force_input(number, on)
         self._say(self._words("input_on" if on else "input_off", number=number))
 

@@ -23,9 +23,11 @@ from tui.keeper import Keeper
 from tui.look import make_look
 from tui.messages import Messages
 from tui.operation import number_of
+from tui.plain_controller import Controller
 from tui.plain_desk import Desk
 from tui.plain_hand import Hand
 from tui.plain_mdi import Mdi
+from tui.plain_queue import Queue
 from tui.plain_search import Search
 from tui.plain_words import VERBS, nearest, verb_of, way
 from tui.program import block_name
@@ -52,14 +54,14 @@ class Plain:
         self._messages = Messages(words)
         self._desk = Desk(engine, words, self._print)
         self._operation = self._desk.operation
-        self._hand, self._mdi = Hand(self._desk), Mdi(self._desk)
+        self._hand, self._mdi, self._queue = Hand(self._desk), Mdi(self._desk), Queue(self._desk)
         self._keeper = Keeper(engine, archive, self._print)
         self._look = make_look("mono", "ascii")
         self._commands: queue.SimpleQueue[str | None] = queue.SimpleQueue()
         own = {verb.id: getattr(self, f"_do_{verb.id}") for verb in VERBS if hasattr(self, f"_do_{verb.id}")}
         #: what each command does with the words behind it
         self.deeds: dict[str, Callable[[str], None]] = dict(own)
-        for room in (Search(self._desk), self._hand, self._mdi):
+        for room in (Search(self._desk), Controller(self._desk), self._hand, self._mdi, self._queue):
             self.deeds |= room.deeds()
         self._message = ""
         self._every_s, self._told_at = 1.0, 0.0
@@ -98,7 +100,8 @@ class Plain:
     def _obey(self) -> None:
         if self._waits_until is not None:
             time.sleep(TICK_S)
-            rests = self._operation.state not in UNDERWAY or self._operation.state in _STANDS
+            state = self._operation.state
+            rests = state in _STANDS or (state not in UNDERWAY and not self._queue.goes_on)
             is_settled = time.monotonic() - self._asked_at > ECHO_S and rests
             if is_settled or time.monotonic() > self._waits_until:
                 self._waits_until = None
@@ -144,6 +147,7 @@ class Plain:
         if outcome is not None and outcome.number != self._outcome:
             self._outcome = outcome.number
             self._tell_outcome(outcome)
+        self._queue.watch(shown.snapshot, outcome)
         if shown.snapshot.state is State.RUNNING and self._every_s and now - self._told_at >= self._every_s:
             self._told_at = now
             self._print(self._status(shown))

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from cnc_front.engine import AxisValues, Engine, Job
+from cnc_front.engine import AxisValues, Engine, Job, Switches, wait_for
 from cnc_front.errors import CompileError
 from cnc_front.german import in_language, refusal
 from tui.operation import Operation
 from tui.plain_words import way
 from tui.words import Words
+
+#: The engine needs so long at most to show the effect of a wish, s.
+ECHO_S = 0.5
 
 
 class Desk:
@@ -53,6 +56,11 @@ class Desk:
         """Where it is."""
         values = (axis.actual, axis.command, axis.to_go, axis.following * 1000)
         self.say(self.words("plain_axis", axis=axis.name, unit=axis.unit, values=values))
+
+    def switches_after(self, before: Switches) -> Switches:
+        """The switches once the engine has taken over what was asked, or not."""
+        wait_for(lambda: self.engine.snapshot().switches != before, ECHO_S)
+        return self.engine.snapshot().switches
 
     def is_free(self) -> bool:
         """Nothing is under way; else says so."""

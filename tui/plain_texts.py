@@ -43,4 +43,27 @@ PLAIN_TEXTS: dict[str, tuple[str, str]] = {
         "No block is checked. Type: mdi BLOCK; start job starts the job.",
         "Kein Satz ist geprüft. Eingeben: mdi SATZ; los auftrag startet den Auftrag.",
     ),
+    "plain_register": ("{register} {number} {name}: {text}", "{register} {number} {name}: {text}"),
+    "plain_bits_none": ("{register}: no bit is set", "{register}: kein Bit ist gesetzt"),
+    "plain_loop": (
+        "{axis}: spooler {spooler}, {entries} entries, {free} bytes free, jovr {override:.0f} %, mpe {mpe:g} {unit}",
+        "{axis}: Spooler {spooler}, {entries} Einträge, {free} Byte frei, jovr {override:.0f} %, mpe {mpe:g} {unit}",
+    ),
+    "plain_no_answer": (
+        "The controller has not answered yet; again.",
+        "Die Steuerung hat noch nicht geantwortet; nochmals.",
+    ),
+    "plain_variables_none": ("All common variables are 0.", "Alle gemeinsamen Variablen sind 0."),
+    "plain_inputs": ("inputs on: {inputs}; outputs on: {outputs}", "Eingänge ein: {inputs}; Ausgänge ein: {outputs}"),
+    "plain_dry_on": ("dry-run feed on: {feed:g} mm/min", "Probelaufvorschub ein: {feed:g} mm/min"),
+    "plain_dry_off": ("dry-run feed off", "Probelaufvorschub aus"),
+    "plain_queue_none": (
+        "The queue is empty. Type: queue add PATH",
+        "Die Folge ist leer. Eingeben: folge dazu PFAD",
+    ),
+    "plain_queue_file": ("{path}: no such file", "{path}: keine solche Datei"),
+    "plain_queue_number": (
+        "{text}: no number of the queue, or it runs",
+        "{text}: keine Nummer der Folge, oder er läuft",
+    ),
 }

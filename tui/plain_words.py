@@ -85,6 +85,58 @@ VERBS: tuple[Verb, ...] = (
             "mdi G1 X10 F500: prüft Satz oder rw_SymPas-Anweisung;, los führt aus; los auftrag: der Auftrag",
         ),
     ),
+    Verb(
+        "registers",
+        ("registers",),
+        ("register",),
+        (
+            "registers, registers X: error register, status bits of an axis",
+            "register, register X: Fehlerregister, Achsbits",
+        ),
+    ),
+    Verb(
+        "tasks", ("tasks",), ("tasks",), ("the four CNC tasks with their lines", "die vier CNC-Tasks mit ihren Zeilen")
+    ),
+    Verb(
+        "variables", ("variables",), ("variablen",), ("common variables that are not 0", "gemeinsame Variablen außer 0")
+    ),
+    Verb(
+        "inputs",
+        ("inputs",),
+        ("eingänge", "eingaenge"),
+        ("inputs and outputs that are on", "Ein- und Ausgänge, die an sind"),
+    ),
+    Verb(
+        "force",
+        ("force",),
+        ("erzwinge",),
+        (
+            "force 3 on, force 3 off: an input, in later runs too",
+            "erzwinge 3 ein, erzwinge 3 aus: ein Eingang, auch später",
+        ),
+    ),
+    Verb(
+        "release", ("release", "e"), ("freigabe",), ("no input is forced any more", "kein Eingang ist mehr erzwungen")
+    ),
+    Verb(
+        "dryfeed",
+        ("dryfeed",),
+        ("probevorschub",),
+        (
+            "dryfeed 500: dry-run feed in mm/min; dryfeed: machine file",
+            "probevorschub 500: mm/min; allein: Maschinendatei",
+        ),
+    ),
+    Verb("dryrun", ("dryrun", "d"), ("probelauf",), ("dry-run feed on or off", "Probelaufvorschub ein oder aus")),
+    Verb(
+        "queue",
+        ("queue",),
+        ("folge",),
+        (
+            "queue, queue add part.nc, queue remove 2, queue start, queue stop: jobs one after the other",
+            "folge, folge dazu teil.nc, folge heraus 2, folge los, folge stopp: Aufträge nacheinander",
+        ),
+    ),
     Verb("alarms", ("alarms", "a"), ("störungen", "stoerungen"), ("open alarms", "offene Störungen")),
     Verb("acknowledge", ("acknowledge", "ack"), ("quittieren",), ("alarms whose cause is gone", "behobene Störungen")),
     Verb("report", ("report",), ("bericht",), ("verdict and worst blocks", "Urteil und größte Abweichungen")),
@@ -100,6 +152,12 @@ VERBS: tuple[Verb, ...] = (
 PARTS: dict[str, tuple[str, ...]] = {
     "all": ("all", "alle"),
     "job": ("job", "auftrag"),
+    "on": ("on", "ein"),
+    "off": ("off", "aus"),
+    "add": ("add", "dazu"),
+    "remove": ("remove", "heraus"),
+    "start": ("start", "los"),
+    "stop": ("stop", "stopp"),
 }
 
 

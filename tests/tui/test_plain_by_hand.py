@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from cnc_front.engine import State
+from cnc_front.sim import SimEngine
+from tests.tui.ended import registers
 from tests.tui.fake import FakeEngine
 from tests.tui.test_by_hand import equipped
 from tests.tui.test_plain import FAULTS, session, talk
+from tui.archive import Archive
+from tui.plain import Plain
+from tui.words import Words
 
 
 def said(*lines: str, engine: FakeEngine | None = None, language: str = "en", **values: Any) -> tuple[str, list[str]]:
@@ -131,3 +139,89 @@ def test_mdi_on_the_real_engine() -> None:
     text = "\n".join(talk(lines.format(FAULTS / "contour.nc")))
     assert "> 42" in text and "writeln(6*7);: done" in text and "MDI:1:4: GC326" in text
     assert text.count("No block is checked.") == 2 and "REPORT contour.nc: PASS" in text
+
+
+@pytest.mark.parametrize(
+    ("lines", "calls", "part"),
+    [
+        (("inputs",), [], "inputs on: 3; outputs on: 1 3"),
+        (("force 5 on", "inputs"), ["input 5 True"], "FORCED 5"),
+        (("force 3 off",), ["input 3 False"], "Input 3 FORCED off"),
+        (("erzwinge 3 aus", "e"), ["input 3 False", "release"], "Inputs 3 released."),
+        (("release",), [], "No input is forced."),
+        (("force 17 on",), [], "17: not a number from 1 to 16."),
+        (("force 3",), [], "Type: force: force 3 on"),
+        (("force X 1 on",), [], "Type: force: force 3 on"),
+        (("dryfeed 500", "dryrun"), ["switches", "switches dry_run"], "dry-run feed on"),
+        (("dryfeed 0",), [], "0: not a feed from 1 to 6000"),
+        (("dryrun", "d"), ["switches dry_run", "switches"], "dry-run feed off"),
+        (("registers Q",), [], "The machine has no axis Q."),
+        (("registers",), [], "The controller has not answered yet"),
+    ],
+)
+def test_the_controller(lines: tuple[str, ...], calls: list[str], part: str) -> None:
+    text, asked = said(*lines, engine=loaded(), feed_limit=6000.0)
+    assert part in text and asked == calls, text
+
+
+@pytest.mark.parametrize(
+    ("language", "parts"),
+    [
+        (
+            "en",
+            ("X axst 13 cl: loop closed", "X: spooler runs,", "kp ", "CNC task 1: at rest", "CI7 = 12", "CD3 = 0.5"),
+        ),
+        ("de", ("X axst 13 cl: Regelkreis geschlossen", "X: Spooler läuft,", "CNC-Task 1: in Ruhe", "CI7 = 12")),
+    ],
+)
+def test_registers_tasks_and_variables_in_lines(language: str, parts: tuple[str, ...]) -> None:
+    engine = loaded()
+    engine.registers = replace(registers(language), integers=((7, 12),), doubles=((3, 0.5),))
+    text, _ = said("registers x", "tasks", "variables", engine=engine, language=language)
+    assert all(part in text for part in parts) and "Y axst" not in text, text
+    assert "errorreg" in said("registers", engine=engine)[0]
+
+
+def test_real_registers_are_those_of_now() -> None:
+    text = "\n".join(talk("tasks\nregister\nforce 3 on\ninputs\nregisters X\nquit\n", FAULTS / "contour.nc"))
+    assert "CNC task 3: at rest" in text and "errorreg: no bit is set" in text and "X axst 13 cl" in text
+    assert "inputs on: 3 9 10 11;" in text and "FORCED 3" in text
+
+
+def test_the_queue_runs_one_job_after_the_other(tmp_path: Path) -> None:
+    bad = tmp_path / "bad.nc"
+    bad.write_text("N10 G1 X5\nN20 M30\n")
+    lines = "queue start\nqueue add {0}\nqueue add {1}\nqueue add none.nc\nqueue dance\n"
+    lines += "queue add {0}\nqueue remove 9\nqueue\nqueue remove 3\nqueue start\nwait\nqueue\nquit\n"
+    text = "\n".join(talk(lines.format(FAULTS / "contour.nc", bad)))
+    for part in (
+        "The queue is empty",
+        "none.nc: no such file",
+        "Type: queue: ",
+        "9: no number",
+        "queue 3 contour.nc: waits",
+    ):
+        assert part in text, text
+    after = text.split("Queue done: 1 of 2 good.")[1]
+    assert (
+        "queue 1 contour.nc: PASS" in after and "queue 2 bad.nc: ERROR 1:1: GC501" in after and "queue 3" not in after
+    )
+
+
+def test_a_hold_stops_a_queue_and_a_reset_ends_it(tmp_path: Path) -> None:
+    job = tmp_path / "long.nc"
+    job.write_text("G90 G21 G17\nG1 X400 F100\nM30\n")
+    engine, out = SimEngine(speed=1), io.StringIO()
+
+    def lines() -> Iterator[str]:
+        yield from (f"folge dazu {job}\n", f"folge dazu {job}\n", "folge los\n")
+        assert engine.wait(20, lambda s: s.state is State.RUNNING)
+        yield "\n"
+        assert engine.wait(5, lambda s: s.state is State.HOLD)
+        yield from ("folge\n", "abbruch ja\n", "warte\n", "folge\n", "ende ja\n")
+
+    Plain(engine, Words("de"), out, Archive(None, "de")).run(lines())
+    engine.close()
+    text = out.getvalue()
+    assert "Folge 1 long.nc: läuft" in text and "long.nc: ABORT. Die Folge hält." in text, text
+    assert text.count("Folge 2 long.nc: wartet") == 2, text

@@ -89,14 +89,14 @@ def _head(mark: Marker, service: Service) -> Iterator[Row]:
     for axis in service.axes:
         inputs |= axis.inputs
         outputs |= axis.outputs
-    mark.add(row.add(f"  {words('inputs')}"), "inputs", _numbers(inputs))
-    yield mark.add(row.add(f"  {words('outputs')}"), "outputs", _numbers(outputs))
+    mark.add(row.add(f"  {words('inputs')}"), "inputs", numbers_of(inputs))
+    yield mark.add(row.add(f"  {words('outputs')}"), "outputs", numbers_of(outputs))
     title = Row(look.strong).add(f" {words('errorreg')}")
     yield title if any(bit.on for bit in service.errorreg) else title.add("  0", look.text)
     yield from _bit_rows(mark, "errorreg", service.errorreg, look.bad)
 
 
-def _numbers(bits: int) -> str:
+def numbers_of(bits: int) -> str:
     """Numbers of what is on, from 1: `1 3`; `-` for none."""
     return " ".join(str(n + 1) for n in range(32) if bits >> n & 1) or "-"
 
@@ -148,13 +148,14 @@ def _tasks(mark: Marker, service: Service) -> Iterator[Row]:
     look, words = mark.shown.look, mark.shown.words
     row = Row(look.strong).add(f" {words('tasks')}")
     for task in service.tasks:
-        state = _task_state(task)
+        state = task_state(task)
         text = f"{task.number}: {words(state)}" + (f" {words('line', n=task.line)}" if task.line else "")
         mark.add(row.add(" "), f"task{task.number}", text, look.bad if task.error else look.text)
     yield row
 
 
-def _task_state(task: ServiceTask) -> str:
+def task_state(task: ServiceTask) -> str:
+    """The id of the word for its state."""
     if task.error:
         return "task_error"
     return "task_step" if task.running & STEPS else "task_runs" if task.running & RUNS else "task_rests"
