@@ -30,6 +30,12 @@ def dry_feed(switches: Switches, machine: MachineFile) -> float:
     return min(chosen, machine.machine.feed_limit)
 
 
+#: Told of a job of CNC tasks: the screens of part programs and the queue have no blocks, path and hold for it.
+NO_PART_PROGRAM = (
+    "a rw_SymPas job has tasks, no blocks: cnc-front run FILE gives its verdict, cnc-front tui FILE steps through it"
+)
+
+
 @dataclass(frozen=True, slots=True)
 class Asked:
     """What was loaded under which conditions: where one of them changed, the program must be checked again."""
@@ -82,6 +88,8 @@ class Loader:
         same = file.sha256 == bench.file.sha256
         place = bench.place if same else Place.first(file.machine)
         source = read_job(path, self.options.language)
+        if source.language != "din66025":
+            raise UsageError(NO_PART_PROGRAM)
         stimulus = load_stimulus(None, path, file)
         options = replace(self.compile_options(switches, file), start=start)
         job = load_source(source, place.machine(file), options, stimulus)

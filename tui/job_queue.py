@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from cnc_front.diagnostics import Diagnostic
 from cnc_front.engine import Engine, Job, Snapshot, State
 from cnc_front.errors import CompileError, Exit, UsageError
-from cnc_front.german import localized
+from cnc_front.german import localized, refusal
 from tui.states import UNDERWAY
 from tui.words import Words
 
@@ -158,7 +158,7 @@ class JobQueue:
             entry.detail = f"{first.line}:{first.column}: {first.id}: {first.message}"
             entry.verdict, entry.state = "ERROR", "done"
         except (UsageError, OSError) as error:
-            entry.verdict, entry.detail = "ERROR", str(error)
+            entry.verdict, entry.detail = "ERROR", refusal(error, self._words.language)
             entry.state = "done"
 
     def _ended(self, entry: Queued, outcome: Outcome) -> None:

@@ -97,6 +97,23 @@ def test_a_reset_ends_the_queue(tmp_path: Path) -> None:
     engine.close()
 
 
+@pytest.mark.parametrize(
+    ("language", "says"),
+    [("en", "cnc-front run FILE gives its verdict"), ("de", "cnc-front run DATEI gibt sein Urteil")],
+)
+def test_a_sympas_job_is_refused_with_what_to_do(language: str, says: str, tmp_path: Path) -> None:
+    files, job = parts(tmp_path), tmp_path / "job.src"
+    job.write_text("begin\n  CI5 := 1;\nend.\n")
+    engine = SimEngine(speed=0, language=language)
+    queue = JobQueue(engine, Words(language), lambda _: None)
+    queue.add(str(job))
+    queue.add(str(files["a.nc"]))
+    run(queue, engine)
+    assert [entry.verdict for entry in queue.entries] == ["ERROR", "PASS"]
+    assert says in queue.entries[0].detail
+    engine.close()
+
+
 def test_a_job_without_motion_has_its_verdict(tmp_path: Path) -> None:
     (tmp_path / "still.nc").write_text("N10 M30\n")
     engine = SimEngine(speed=0)
@@ -171,6 +188,17 @@ def test_hold_and_reset_between_two_jobs_start_nothing(keys: list[str]) -> None:
         assert "STANDS" not in await stage.frame()
 
     play(script, Slow())
+
+
+def test_the_chosen_entry_says_whole_why_it_was_refused() -> None:
+    async def script(stage: Stage) -> None:
+        stage.app.jobs.queue.add("bad.nc")
+        await stage.press("f2", "ctrl+l", "ctrl+l", "ctrl+r")
+        await stage.until(lambda: not stage.app.jobs.queue.is_active)
+        text = " ".join((await stage.frame()).split())
+        assert "bad.nc:4:11: GC801: axis W is not configured" in text and "choose a machine" in text
+
+    play(script, size=NARROW)
 
 
 @pytest.mark.parametrize("size", [WIDE, NARROW])

@@ -57,6 +57,8 @@ class JobsPage(Page):
         count, room = len(rows), max(4, min(len(rows), height // 3))
         top = max(0, min(self._cursor - room // 2, count - room))
         head = [list_head(view, self.list, self.queue), *rows[top : top + room], *keys_rows(view, self.list)]
+        if self.list == "queue" and self._cursor < count:
+            head += refused_rows(view, self.queue.entries[self._cursor : self._cursor + 1])
         head.append(Row(shown.look.text))
         return [row.strip(width) for row in [*head, *check_rows(view, self.check)]]
 
@@ -279,6 +281,16 @@ def queue_rows(view: View, entries: Sequence[Queued], cursor: int) -> list[Row]:
         style = {"PASS": look.good, "WARN": look.warn, "": look.text}.get(entry.verdict, look.bad)
         rows.append(row.add(f"{entry.verdict or words(f'queue_{entry.state}'):<9}", style).add(f" {entry.detail}"))
     return rows or [Row(look.dim).add(f"  {words('queue_empty')}")]
+
+
+def refused_rows(view: View, chosen: Sequence[Queued]) -> Iterator[Row]:
+    """Why the chosen entry was refused, whole, and what to do."""
+    for entry in chosen:
+        if entry.verdict == "ERROR":
+            first = next((d for d in entry.findings if not d.is_warning), None)
+            hint = f" {view.shown.words('hint')} {first.hint}" if first and first.hint else ""
+            for text in wrap(f"{entry.name}:{'' if first else ' '}{entry.detail}{hint}", view.width - 4):
+                yield Row(view.shown.look.bad).add(f"  {text}")
 
 
 def check_rows(view: View, check: Check) -> Iterator[Row]:
