@@ -22,6 +22,8 @@ class Queue:
         self._desk = desk
         self._queue = JobQueue(desk.engine, desk.words, desk.say)
         self._states: list[str] = []
+        self._is_held = False
+        desk.operation.stopped = self._held
 
     @property
     def goes_on(self) -> bool:
@@ -34,13 +36,22 @@ class Queue:
 
     def watch(self, snapshot: Snapshot, outcome: Outcome | None) -> None:
         """Takes the next step, and tells what has changed."""
+        if self._is_held:
+            self._is_held = False
+            self._queue.held()
         self._queue.watch(snapshot, outcome)
+        if self._is_held:
+            self._desk.engine.hold()  # it came while the next job was being started
         states = [entry.state for entry in self._queue.entries]
         if states != self._states:
             for index, state in enumerate(states):
                 if state in ("running", "done") and self._states[index : index + 1] != [state]:
                     self._tell(index)
             self._states = states
+
+    def _held(self) -> None:
+        """A hold or reset: it comes in the thread that reads, which must not wait for what is being said."""
+        self._is_held = True
 
     def _tell(self, index: int) -> None:
         entry, words = self._queue.entries[index], self._desk.words

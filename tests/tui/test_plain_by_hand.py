@@ -18,6 +18,8 @@ from tests.tui.test_by_hand import equipped
 from tests.tui.test_plain import FAULTS, session, talk
 from tui.archive import Archive
 from tui.plain import Plain
+from tui.plain_desk import Desk
+from tui.plain_queue import Queue
 from tui.words import Words
 
 
@@ -223,5 +225,18 @@ def test_a_hold_stops_a_queue_and_a_reset_ends_it(tmp_path: Path) -> None:
     Plain(engine, Words("de"), out, Archive(None, "de")).run(lines())
     engine.close()
     text = out.getvalue()
-    assert "Folge 1 long.nc: läuft" in text and "long.nc: ABORT. Die Folge hält." in text, text
+    assert "Folge 1 long.nc: läuft" in text and "Die Folge steht: long.nc: ABORT" in text, text
     assert text.count("Folge 2 long.nc: wartet") == 2, text
+
+
+def test_after_a_hold_between_two_jobs_nothing_starts(tmp_path: Path) -> None:
+    job = tmp_path / "part.nc"
+    job.write_text("G90 G21 G17\nG1 X4 F1000\nM30\n")
+    engine = loaded()
+    desk = Desk(engine, Words("en"), lambda _: None)
+    queue = Queue(desk)
+    for words in (f"add {job}", "start"):
+        queue.deeds()["queue"](words)
+    desk.operation.hold()
+    queue.watch(engine.snapshot(), None)
+    assert not queue.goes_on and "start" not in engine.calls
