@@ -217,7 +217,8 @@ class Plain:
         self._desk.answer()
 
     def _do_hold(self, _: str) -> None:
-        """The reading thread has passed it on already."""
+        """The reading thread has passed it on already, perhaps before a command that stood in front of it."""
+        self._operation.hold()
         self._print(self._words("plain_hold"))
 
     def _do_step(self, text: str) -> None:

@@ -162,3 +162,8 @@ def test_an_interrupt_holds_and_a_second_one_at_rest_ends(tmp_path: Path) -> Non
         run.stdin.write("quit yes\n")
         run.stdin.flush()
         assert run.wait(20) == 0
+
+
+def test_a_hold_right_behind_a_start_holds() -> None:
+    said = talk("speed 1\nstart\nhold\nwait\nstatus\nreset yes\nwait\nquit\n", FAULTS / "contour.nc")
+    assert any("HOLD" in line for line in said) and not any("DONE" in line for line in said), said
