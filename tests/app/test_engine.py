@@ -179,7 +179,7 @@ def test_alarms_have_code_text_and_language(job: Callable[..., Path], tmp_path: 
     assert engine.wait(10, lambda s: len(s.alarms) > 0)
     alarm = engine.snapshot().alarms[0]
     assert (alarm.code, alarm.axis) == ("E107", "X")
-    assert alarm.text.startswith("Schleppfehler 0.005") and "> 0.002 mm (mpe); Antrieb" in alarm.text
+    assert alarm.text.startswith("Schleppfehler 0.005") and "> 0.005 mm (mpe); Antrieb" in alarm.text
     engine.close()
 
 
