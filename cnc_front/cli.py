@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import io
 import os
-import signal
 import sys
 import traceback
 from collections.abc import Callable, Sequence
@@ -165,8 +164,6 @@ def run_command_line(arguments: Sequence[str]) -> int:
     """Runs one command. Whatever happens becomes text on stderr and an exit code here, and only here."""
     _prepare_streams()
     options = argparse.Namespace()
-    if hasattr(signal, "SIGPIPE"):
-        signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `cnc-front ... | head` ends quietly
     try:
         options = build_parser().parse_args(arguments)
         return int(_command(options.command)(options))
