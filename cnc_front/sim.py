@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -92,7 +93,7 @@ class SimEngine:
         return self._load(path, None, wanted)
 
     def _load(self, path: str, start: str | None, wanted: Callable[[], bool] = lambda: True) -> Job:
-        import cnc_front.outcome  # noqa: F401  what a run needs comes with the job: the first screen is there sooner
+        import_module("cnc_front.outcome")  # what a run needs comes with the job: the first screen is there sooner
 
         self._refuse_while_busy()
         loaded = self._loader.load(path, start, self._operator.switches, self._machine.bench)

@@ -80,8 +80,8 @@ class Stage:
         return self.app.screen_stack[0].query_one("#message").text  # type: ignore[attr-defined, no-any-return]
 
 
-def play(script: Script, engine: FakeEngine | None = None, size: tuple[int, int] = WIDE, **look: Any) -> None:
-    """Runs a script on a fresh terminal."""
+def play(script: Script, engine: Any = None, size: tuple[int, int] = WIDE, **look: Any) -> None:
+    """Runs a script on a fresh terminal. `engine`: any cnc_front.engine.Engine; the fake one if none is given."""
 
     async def run() -> None:
         theme, glyphs = look.get("theme", "dark"), look.get("glyphs", "ascii")

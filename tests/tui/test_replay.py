@@ -74,7 +74,7 @@ def test_the_run_screen_replays_and_refuses(recording: Path, language: str) -> N
         await stage.press("full_stop")
         assert "[REPLAY x2]" in stage.text and engine.snapshot().machine_time_s == stood
 
-    play(script, engine, NARROW, language=language)  # type: ignore[arg-type]
+    play(script, engine, NARROW, language=language)
     engine.close()
 
 
@@ -86,7 +86,7 @@ def test_the_end_as_it_looks(recording: Path, language: str) -> None:
         stage.app.tick()
         same_frame(f"replay-done-narrow-{language}", await stage.frame())
 
-    play(script, engine, NARROW, language=language)  # type: ignore[arg-type]
+    play(script, engine, NARROW, language=language)
     engine.close()
 
 
@@ -181,7 +181,7 @@ def test_an_older_recording_says_that_it_does_not_know(recording: Path, monkeypa
         text = await stage.frame()
         assert "SPOOL - %  - s" in text
 
-    play(script, engine, NARROW)  # type: ignore[arg-type]
+    play(script, engine, NARROW)
     engine.close()
 
 
@@ -217,7 +217,7 @@ def test_a_fault_comes_at_its_time_and_ends_it(tmp_path: Path, language: str, wo
         text = await stage.frame()
         assert "E107 X  L5" in text and "0.506 s" in text
 
-    play(script, engine, NARROW, language=language)  # type: ignore[arg-type]
+    play(script, engine, NARROW, language=language)
     engine.close()
 
 
@@ -276,7 +276,7 @@ def test_keys_wind_step_and_ask_for_a_place(recording: Path) -> None:
         await stage.press("G", *"gibberish", "enter")
         assert "is no time" in stage.message
 
-    play(script, engine, NARROW)  # type: ignore[arg-type]
+    play(script, engine, NARROW)
     engine.close()
 
 
@@ -333,7 +333,7 @@ def test_a_recording_is_opened_from_jobs_and_put_away_again(recording: Path) -> 
         await stage.press("r")
         await stage.until(lambda: not console.snapshot().replay and console.snapshot().state is not State.NO_JOB)
 
-    play(script, console)  # type: ignore[arg-type]
+    play(script, console)
     console.close()
 
 
@@ -356,7 +356,7 @@ def test_alarms_of_a_recording_are_not_kept_twice(tmp_path: Path) -> None:
     async def script(stage: Stage) -> None:
         await stage.until(lambda: stage.app.keeper.book.entries)
 
-    play(script, engine, archive=archive)  # type: ignore[arg-type]
+    play(script, engine, archive=archive)
     archive.close()
     engine.close()
     assert History(tmp_path / "h.sqlite").alarms(Filter()) == []

@@ -132,6 +132,15 @@ def test_the_pointer_stands_at_the_middle_of_the_block() -> None:
     assert pointer(make_look("mono", "ascii"), 30, (1.0, "N70")).strip(30).text.rstrip().endswith("N70 ^")
 
 
+async def compared(stage: Stage, archive: Archive) -> str:
+    """The report screen beside the run that the archive holds."""
+    await stage.until(lambda: archive.wait() or len(archive.jobs) == 1)
+    await stage.press("7")
+    archive.wait()
+    await stage.press("c")
+    return await stage.frame()
+
+
 def test_compared_with_a_run_that_had_findings(tmp_path: Path) -> None:
     file = tmp_path / "history.sqlite"
     before = lagging()
@@ -139,11 +148,7 @@ def test_compared_with_a_run_that_had_findings(tmp_path: Path) -> None:
     archive = Archive(file, "en")
 
     async def script(stage: Stage) -> None:
-        await stage.until(lambda: archive.wait() or len(archive.jobs) == 1)
-        await stage.press("7")
-        archive.wait()
-        await stage.press("c")
-        text = " ".join((await stage.frame()).split())
+        text = " ".join((await compared(stage, archive)).split())
         assert f"cured: {finding_text(before.run['findings'][0], 'en')[:30]}" in text
         assert "NEW finding" not in text
 
@@ -197,11 +202,7 @@ def test_the_run_is_kept_and_compared_with_the_one_before(tmp_path: Path) -> Non
     archive = Archive(file, "en")
 
     async def script(stage: Stage) -> None:
-        await stage.until(lambda: archive.wait() or len(archive.jobs) == 1)
-        await stage.press("7")
-        archive.wait()
-        await stage.press("c")
-        text = await stage.frame()
+        text = await compared(stage, archive)
         assert f"COMPARED with run {number}" in text and "new among the worst" in text
         await stage.press("c")
         assert "COMPARED" not in await stage.frame()

@@ -94,7 +94,10 @@ class ReportPage(Page):
         job = str(Path(outcome.path).absolute()) if outcome is not None else None
 
         def found(path: str) -> None:
-            self.app.call_later(self.app.load, path) if path else self.app.call_later(self._no_recording)
+            if path:
+                self.app.call_later(self.app.load, path)
+            else:
+                self.app.call_later(self._no_recording)
 
         self.app.keeper.archive.find_recording(job, found)
 
